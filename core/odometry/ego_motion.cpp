@@ -90,7 +90,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (scan.ego_velocity) {
     held_velocity_.OnReported(stamp, *scan.ego_velocity);
     const bool has_moved_on = std::abs(disagreement_.distance_m()) > options_.max_held_distance_m;
-    if (has_moved_on) held_velocity_.OnContradicted();
+    if (has_moved_on || held_velocity_.IsUnusual()) OnHeldContradicted();
     outdated_by_ = doppler ? held_velocity_.age() : std::chrono::nanoseconds(0);
     if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
@@ -312,10 +312,26 @@ void EgoMotion::AddSpread() {
   spread_since_previous_.setZero();
   spread_since_previous_(0, 0) = spread_.along_track_variance_m2 - counted.along_track_variance_m2;
   spread_since_previous_(5, 5) = spread_.turn_variance_rad2 - counted.turn_variance_rad2;
+  AddHeldSpread();
   since_previous_.covariance += spread_since_previous_;
   Matrix6d& covariance = *widened_velocity_->covariance;
   covariance(0, 0) += spread_.speed_variance;
   covariance(5, 5) += spread_.yaw_rate_variance;
+}
+
+void EgoMotion::OnHeldContradicted() {
+  trusted_held_ += std::min(held_velocity_.OnContradicted(), options_.disagreement.fading);
+}
+
+// Until it was contradicted, a velocity that is held has led the pose as if it were new. The vehicle
+// may have turned otherwise meanwhile; how fast it is, Doppler said.
+void EgoMotion::AddHeldSpread() {
+  const double age_s = SecondsOf(std::exchange(trusted_held_, std::chrono::nanoseconds(0)));
+  if (age_s <= 0.0) return;
+  Vector6d step = Vector6d::Zero();
+  step(5) = 0.5 * options_.motion.yaw_acceleration_sigma_radps2 * age_s * age_s;
+  step(1) = velocity_->linear_mps.x() * age_s * step(5) / 3.0;
+  spread_since_previous_ += step * step.transpose();
 }
 
 std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative() const {

@@ -137,8 +137,12 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  /// The pose is doubted: see OdometryErrorFilter::OnDoubt.
-  void OnPoseDoubted() { errors_.OnDoubt(); }
+  /// The pose is doubted: see OdometryErrorFilter::OnDoubt. A velocity that is repeated may have led
+  /// it astray.
+  void OnPoseDoubted() {
+    errors_.OnDoubt();
+    OnHeldContradicted();
+  }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() {
     sources_.OnRegistrationLost();
@@ -211,6 +215,8 @@ class EgoMotion {
   bool is_held() const { return held_velocity_.age() > options_.sources.silent_after; }
   void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                          const DopplerEgoVelocity* doppler);
+  void OnHeldContradicted();
+  void AddHeldSpread();
   void ApplyCorrection();
   void Correct(double forward_m, double turn_rad);
   void AddSpread();
@@ -227,6 +233,7 @@ class EgoMotion {
   YawRateSign yaw_rate_sign_;
   HeldVelocity held_velocity_;
   std::chrono::nanoseconds outdated_by_{0};  // the newest velocity, where Doppler is newer
+  std::chrono::nanoseconds trusted_held_{0};  // how long the pose went by a velocity that was old
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;

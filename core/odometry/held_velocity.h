@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 
@@ -10,7 +11,9 @@ namespace dcloc {
 
 /// Since when a vehicle reports the same velocity, to the last bit in speed and yaw rate. While it
 /// moves, sources that work seldom repeat themselves, and a bus that is frozen does nothing else.
-/// One that is repeated and no longer true was true when it first came, and is as old as that.
+/// One that is repeated and no longer true was true when it first came, and is as old as that. It is
+/// no longer true where something contradicts it, or where the vehicle has changed its velocity
+/// often and never repeated one for nearly as long.
 class HeldVelocity {
  public:
   /// The vehicle reports `velocity` at `stamp`, which is not before the last one's. What is 0 is
@@ -20,17 +23,34 @@ class HeldVelocity {
     const double yaw_rate_radps = velocity.angular_radps.z();
     const bool repeats = since_ && speed_mps == speed_mps_ && yaw_rate_radps == yaw_rate_radps_ &&
                          speed_mps != 0.0 && yaw_rate_radps != 0.0;
-    if (!repeats) {
+    if (repeats) {
+      ++repeat_count_;
+    } else {
+      if (!is_contradicted_) usual_repeat_count_ = std::max(usual_repeat_count_, repeat_count_);
+      if (since_) ++change_count_;
       since_ = stamp;
       is_contradicted_ = false;
+      repeat_count_ = 0;
     }
     speed_mps_ = speed_mps;
     yaw_rate_radps_ = yaw_rate_radps;
     repeated_for_ = stamp - *since_;
   }
 
-  /// The vehicle has moved away from what it reports.
-  void OnContradicted() { is_contradicted_ = repeated_for_ > std::chrono::nanoseconds(0); }
+  /// Whether it is repeated for much longer than any velocity was before.
+  bool IsUnusual() const {
+    constexpr int kKnownAfter = 50;  // changes, so that what is usual is known
+    constexpr int kMore = 2;         // repetitions than twice what is usual
+    return change_count_ >= kKnownAfter && repeat_count_ > 2 * usual_repeat_count_ + kMore;
+  }
+
+  /// The vehicle has moved away from what it reports. Returns for how long it may have done so
+  /// unseen: 0 where it was known already.
+  std::chrono::nanoseconds OnContradicted() {
+    if (is_contradicted_) return std::chrono::nanoseconds(0);
+    is_contradicted_ = repeated_for_ > std::chrono::nanoseconds(0);
+    return repeated_for_;
+  }
 
   /// How old the newest velocity is: none, as long as nothing has contradicted it.
   std::chrono::nanoseconds age() const {
@@ -43,6 +63,9 @@ class HeldVelocity {
   double yaw_rate_radps_ = 0.0;
   std::chrono::nanoseconds repeated_for_{0};
   bool is_contradicted_ = false;
+  int repeat_count_ = 0;        // of the newest velocity
+  int usual_repeat_count_ = 0;  // the most of those before it that nothing contradicted
+  int change_count_ = 0;
 };
 
 }  // namespace dcloc
