@@ -71,7 +71,9 @@ Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
 // By how much the motions that are probable differ.
 template <int Dim>
 double Pipeline<Dim>::AlongTrackSpread_m() const {
-  return ego_motion_.along_track_spread_m() + radars_.range_rate_scales.disputed_distance_m();
+  const double spread_m = ego_motion_.along_track_spread_m();
+  if (ego_motion_.sources().IsRuledOut(OdometrySource::kDoppler)) return spread_m;
+  return spread_m + radars_.range_rate_scales.disputed_distance_m();
 }
 
 // METHOD eq 57. A stamp that is off by a time is a position that is off along-track.

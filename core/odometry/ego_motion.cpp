@@ -115,21 +115,22 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   } else {
     disagreement_.OnDecided(stamp);
   }
+  wheels_leap_ = reported && doppler_is_sound && WheelsLeap(*reported, doppler->ego_velocity);
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
-  const bool reports_are_sound =
-      sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
-  if (velocity_ && reports_are_sound) {
+  if (velocity_ && follows_reports()) {
     if (const auto beyond = BeyondTheLine(scan.ticks, stamp - stamp_)) {
       since_previous_.T_from_to = since_previous_.T_from_to * *beyond;
     }
   }
-  if (velocity_ && late_.T_previous_now()) since_previous_.T_from_to = *late_.T_previous_now();
+  if (velocity_ && !wheels_leap_ && late_.T_previous_now())
+    since_previous_.T_from_to = *late_.T_previous_now();
   expected_motion_ = since_previous_.T_from_to;
   ApplyCorrection();
   since_previous_.covariance(5, 5) += std::pow(std::exchange(reversed_turn_rad_, 0.0), 2);
   if (scale_correction_m_ != 0.0) Correct(std::exchange(scale_correction_m_, 0.0), 0.0);
-  unobserved_distance_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
+  if (!wheels_leap_)
+    unobserved_distance_m_ += std::abs(since_previous_.T_from_to.translation_m.x());
   Learn(reported, now, age);
   velocity_ = widened_velocity_ = now;
   AddSpread();
@@ -175,8 +176,6 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
 // are set aside slip, and no scale describes that.
 void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
                       std::chrono::nanoseconds age) {
-  const bool is_used =
-      sources_.IsSound(OdometrySource::kWheelSpeed) && sources_.IsSound(OdometrySource::kYawRate);
   if (is_held()) {
     reported_with_sound_wheels_.reset();
     return errors_.OnDiscontinuity();
@@ -185,7 +184,7 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
   if (with_sound_wheels && !sources_.IsSound(OdometrySource::kWheelSpeed)) {
     with_sound_wheels->linear_mps = now.linear_mps;
   }
-  if (is_used) {
+  if (follows_reports()) {
     errors_.OnMotion(since_previous_.T_from_to, age);
   } else if (with_sound_wheels && reported_with_sound_wheels_) {
     errors_.OnMotion(
@@ -237,21 +236,34 @@ SourceHealth EgoMotion::yaw_rate() const {
   return health;
 }
 
+// Whether the wheels differ from Doppler by more than they did, and Doppler goes on as the vehicle
+// has moved.
+bool EgoMotion::WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const {
+  const double wheels_mps = reported.linear_mps.x();
+  const double doppler_mps = doppler.linear_mps.x();
+  const double gain_mps = acceleration_.Gain_mps(std::chrono::seconds(1));
+  if (!velocity_ || !wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) {
+    return false;
+  }
+  const double before_mps = velocity_->linear_mps.x();
+  return std::abs(doppler_mps - before_mps) < std::abs(wheels_mps - before_mps);
+}
+
 // What the vehicle sends and Doppler are fused as far as they are sound.
 EgoVelocity EgoMotion::FromSources(const std::optional<EgoVelocity>& reported,
                                    const std::optional<DopplerEgoVelocity>& doppler,
                                    std::chrono::nanoseconds age) const {
-  const bool wheels_are_sound = sources_.IsSound(OdometrySource::kWheelSpeed);
-  const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (!reported) {
     if (doppler_is_sound) return doppler->ego_velocity;
     return doppler ? FromMonitor() : Held(age);
   }
+  // A single moment's Doppler may be that of a mover, though most often it is sound.
+  const bool agree = doppler_is_sound && SquaredDistance(*reported, doppler->ego_velocity) <=
+                                             options_.max_squared_distance;
+  const bool wheels_are_sound = sources_.IsSound(OdometrySource::kWheelSpeed) && !wheels_leap_;
+  const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
   if (wheels_are_sound && gyro_is_sound) {
-    // A single moment's Doppler may be that of a mover, though most often it is sound.
-    const bool agree = doppler_is_sound && SquaredDistance(*reported, doppler->ego_velocity) <=
-                                               options_.max_squared_distance;
     return agree ? Fuse(*reported, doppler->ego_velocity) : *reported;
   }
   if (!doppler_is_sound) return FromMonitor();
@@ -323,8 +335,8 @@ void EgoMotion::OnHeldContradicted() {
   trusted_held_ += std::min(held_velocity_.OnContradicted(), options_.disagreement.fading);
 }
 
-// Until it was contradicted, a velocity that is held has led the pose as if it were new. The vehicle
-// may have turned otherwise meanwhile; how fast it is, Doppler said.
+// Until it was contradicted, a velocity that is held has led the pose as if it were new. The
+// vehicle may have turned otherwise meanwhile; how fast it is, Doppler said.
 void EgoMotion::AddHeldSpread() {
   const double age_s = SecondsOf(std::exchange(trusted_held_, std::chrono::nanoseconds(0)));
   if (age_s <= 0.0) return;

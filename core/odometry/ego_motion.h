@@ -137,8 +137,8 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  /// The pose is doubted: see OdometryErrorFilter::OnDoubt. A velocity that is repeated may have led
-  /// it astray.
+  /// The pose is doubted: see OdometryErrorFilter::OnDoubt. A velocity that is repeated may have
+  /// led it astray.
   void OnPoseDoubted() {
     errors_.OnDoubt();
     OnHeldContradicted();
@@ -204,6 +204,7 @@ class EgoMotion {
   EgoVelocity FromSources(const std::optional<EgoVelocity>& reported,
                           const std::optional<DopplerEgoVelocity>& doppler,
                           std::chrono::nanoseconds age) const;
+  bool WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const;
   EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
   EgoVelocity Corrected(const EgoVelocity& reported) const;
@@ -213,6 +214,11 @@ class EgoMotion {
                         const DopplerEgoVelocity* doppler);
   // Whether what the vehicle reports is old: nothing is to be learned of it.
   bool is_held() const { return held_velocity_.age() > options_.sources.silent_after; }
+  // Whether the motion is the one that the vehicle reports.
+  bool follows_reports() const {
+    return sources_.IsSound(OdometrySource::kWheelSpeed) &&
+           sources_.IsSound(OdometrySource::kYawRate) && !wheels_leap_;
+  }
   void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                          const DopplerEgoVelocity* doppler);
   void OnHeldContradicted();
@@ -232,7 +238,8 @@ class EgoMotion {
   ForwardAcceleration acceleration_;
   YawRateSign yaw_rate_sign_;
   HeldVelocity held_velocity_;
-  std::chrono::nanoseconds outdated_by_{0};  // the newest velocity, where Doppler is newer
+  bool wheels_leap_ = false;                  // at the last scan, while Doppler goes on
+  std::chrono::nanoseconds outdated_by_{0};   // the newest velocity, where Doppler is newer
   std::chrono::nanoseconds trusted_held_{0};  // how long the pose went by a velocity that was old
   MotionHistory history_;
   Pose3 expected_motion_;

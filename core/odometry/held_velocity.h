@@ -11,8 +11,8 @@ namespace dcloc {
 
 /// Since when a vehicle reports the same velocity, to the last bit in speed and yaw rate. While it
 /// moves, sources that work seldom repeat themselves, and a bus that is frozen does nothing else.
-/// One that is repeated and no longer true was true when it first came, and is as old as that. It is
-/// no longer true where something contradicts it, or where the vehicle has changed its velocity
+/// One that is repeated and no longer true was true when it first came, and is as old as that. It
+/// is no longer true where something contradicts it, or where the vehicle has changed its velocity
 /// often and never repeated one for nearly as long.
 class HeldVelocity {
  public:

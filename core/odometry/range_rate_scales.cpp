@@ -73,7 +73,7 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
     reset();
   }
   if (watched.scan_count == 0) watched.first_ratio = *ratio;
-  AddDisputed(stamp, *ratio, velocity);
+  AddDisputed(stamp, Composed({.learned = watched.learned, .supposed = *ratio}), velocity);
   if (++watched.scan_count < options_.min_scan_count) return;
   watched.supposed = *ratio;
   if (watched.supposed_since) return;
@@ -81,12 +81,12 @@ void RangeRateScales::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
   watched.registration_count = 0;
 }
 
-// A radar that others contradict disputes nothing.
-void RangeRateScales::AddDisputed(Stamp stamp, double ratio, const EgoVelocity& velocity) {
+// A radar that others contradict disputes nothing, nor does one whose range rates are right again.
+void RangeRateScales::AddDisputed(Stamp stamp, double scale, const EgoVelocity& velocity) {
   if (std::ranges::any_of(radars_, &Radar::agrees)) return;
   if (disputed_ && stamp > *disputed_) {
     disputed_distance_m_ +=
-        std::abs(1.0 - ratio) * velocity.linear_mps.norm() * SecondsOf(stamp - *disputed_);
+        std::abs(1.0 - scale) * velocity.linear_mps.norm() * SecondsOf(stamp - *disputed_);
   }
   disputed_ = stamp;
 }

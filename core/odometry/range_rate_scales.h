@@ -89,7 +89,7 @@ class RangeRateScales {
   };
 
   double Composed(const Radar& radar) const;
-  void AddDisputed(Stamp stamp, double ratio, const EgoVelocity& velocity);
+  void AddDisputed(Stamp stamp, double scale, const EgoVelocity& velocity);
 
   // The factor that most targets agree on; nothing where there is none.
   std::optional<double> RatioOf(const Scan& scan, const RadarModel& radar,

@@ -159,6 +159,9 @@ class SourceMonitor {
            IsSound(OdometrySource::kDoppler);
   }
 
+  /// Whether each hypothesis by which `source` is sound is improbable beside the best one.
+  bool IsRuledOut(OdometrySource source) const;
+
   /// Probability of `sound()`, [0, 1].
   double confidence() const;
 

@@ -14,6 +14,13 @@ double SourceMonitor::confidence() const {
   return 1.0 / sum;
 }
 
+bool SourceMonitor::IsRuledOut(OdometrySource source) const {
+  return std::ranges::all_of(hypotheses_, [&](const Hypothesis& hypothesis) {
+    return !Contains(hypothesis.sound, source) ||
+           hypothesis.log_weight < std::log(options_.min_probability_ratio);
+  });
+}
+
 std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
                                                                        double turn_rad) {
   const double unseen_s2 = since_used_s_ * since_used_s_ / 8.0;

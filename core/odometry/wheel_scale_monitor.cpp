@@ -15,6 +15,7 @@ std::span<const OptionField<WheelScaleMonitorOptions>> FieldsOf(
       {"min_reading_count", &O::min_reading_count, 1, 1000},
       {"min_speed_mps", &O::min_speed_mps, 0.1, 100},
       {"speed_sigma_mps", &O::speed_sigma_mps, 1e-6, 100},
+      {"reading_sigma_mps", &O::reading_sigma_mps, 1e-6, 100},
       {"speed_sigma_fraction", &O::speed_sigma_fraction, 0, 1, "the deviation is constant"},
       {"delay_sigma_s", &O::delay_sigma_s, 0, 10, "the clocks agree"},
       {"usual_span_count", &O::usual_span_count, 1, 100'000},
@@ -81,6 +82,16 @@ std::optional<WheelScaleChange> WheelScaleMonitor::OnSpan(const Span& span) {
 
 std::optional<double> WheelScaleMonitor::UnconfirmedChange() const {
   return change_.UnconfirmedChange();
+}
+
+bool WheelScaleMonitor::IsUnusual(double wheels_mps, double doppler_mps,
+                                  double acceleration_mps2) const {
+  if (usual_count_ < options_.min_usual_span_count) return false;
+  const double expected_mps = usual_ratio_ * wheels_mps;
+  const double variance = std::pow(options_.reading_sigma_mps, 2) +
+                          std::pow(options_.speed_sigma_fraction * expected_mps, 2) +
+                          std::pow(options_.delay_sigma_s * acceleration_mps2, 2);
+  return std::pow(doppler_mps - expected_mps, 2) > std::pow(options_.usual_sigmas, 2) * variance;
 }
 
 double WheelScaleMonitor::VarianceOf(const Span& span) const {

@@ -24,6 +24,7 @@ struct WheelScaleMonitorOptions {
   double min_speed_mps = 3.0;
   // Standard deviations of the difference between the means of a span.
   double speed_sigma_mps = 0.05;        ///< of noise
+  double reading_sigma_mps = 0.1;       ///< of noise, of a single reading
   double speed_sigma_fraction = 0.006;  ///< of an error in proportion to the speed
   double delay_sigma_s = 0.1;           ///< of a delay between the two, while the speed changes
   int usual_span_count = 100;           ///< spans that the usual ratio is the mean of
@@ -61,6 +62,10 @@ class WheelScaleMonitor {
 
   /// A share by which the scale may have changed: not enough to be called a change yet.
   std::optional<double> UnconfirmedChange() const;
+
+  /// Whether the ratio of what both say at one moment is unusual, be it the wheels or Doppler,
+  /// while the speed changes by `acceleration_mps2`.
+  bool IsUnusual(double wheels_mps, double doppler_mps, double acceleration_mps2) const;
 
   /// One of the two is not sound: what it said of late is not compared.
   void OnUnsound();
