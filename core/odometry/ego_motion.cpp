@@ -104,6 +104,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     acceleration_.OnSpeed(moment_, doppler->ego_velocity.linear_mps.x());
   }
   FollowYawRateSign(scan.ego_velocity, doppler_is_sound ? &*doppler : nullptr);
+  wheels_leap_ = reported && doppler_is_sound && WheelsLeap(*reported, doppler->ego_velocity);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
     reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
@@ -115,7 +116,6 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   } else {
     disagreement_.OnDecided(stamp);
   }
-  wheels_leap_ = reported && doppler_is_sound && WheelsLeap(*reported, doppler->ego_velocity);
   const EgoVelocity now = FromSources(reported, doppler, age);
   since_previous_ = velocity_ ? Integrate(*velocity_, now, age, options_.motion) : Motion{};
   if (velocity_ && follows_reports()) {
@@ -154,6 +154,14 @@ void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
   }
 }
 
+// What is reported late was true then. Since then the vehicle has become faster as Doppler says.
+double EgoMotion::WheelSpeedNow_mps(const EgoVelocity& late) const {
+  if (!late_.delay_s()) return late.linear_mps.x();
+  const std::chrono::duration<double> delay(late_.delay_s()->value);
+  return late.linear_mps.x() +
+         acceleration_.Gain_mps(std::chrono::duration_cast<std::chrono::nanoseconds>(delay));
+}
+
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
 void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
                                  const DopplerEgoVelocity* doppler) {
@@ -162,7 +170,7 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
       doppler->direction_count <= options_.sources.narrow_direction_count) {
     return wheel_scale_.OnUnsound();
   }
-  const auto change = wheel_scale_.OnSpeeds(stamp, reported->linear_mps.x() / errors_.scale(),
+  const auto change = wheel_scale_.OnSpeeds(stamp, WheelSpeedNow_mps(*reported) / errors_.scale(),
                                             doppler->ego_velocity.linear_mps.x());
   if (!change) return;
   scale_correction_m_ =
@@ -239,7 +247,7 @@ SourceHealth EgoMotion::yaw_rate() const {
 // Whether the wheels differ from Doppler by more than they did, and Doppler goes on as the vehicle
 // has moved.
 bool EgoMotion::WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const {
-  const double wheels_mps = reported.linear_mps.x();
+  const double wheels_mps = WheelSpeedNow_mps(reported);
   const double doppler_mps = doppler.linear_mps.x();
   const double gain_mps = acceleration_.Gain_mps(std::chrono::seconds(1));
   if (!velocity_ || !wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) {

@@ -204,6 +204,7 @@ class EgoMotion {
   EgoVelocity FromSources(const std::optional<EgoVelocity>& reported,
                           const std::optional<DopplerEgoVelocity>& doppler,
                           std::chrono::nanoseconds age) const;
+  double WheelSpeedNow_mps(const EgoVelocity& late) const;
   bool WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const;
   EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
