@@ -140,7 +140,7 @@ class Pipeline final : public AnyPipeline {
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   void TakePlaceEvidence(Stamp stamp, std::size_t radar_index, const Workspace<Dim>& workspace);
   void UpdateTrackingByScanFit(ScanFit fit);
-  void CompareSourcesByMapFit(Workspace<Dim>& workspace);
+  void CompareSourcesByMapFit(std::size_t radar_index, Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
   void RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.

@@ -26,7 +26,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (is_comparable && LearnAzimuthSign(radar_index, workspace)) return;
   if (is_comparable && LearnRangeBias(stamp, radar_index, workspace)) return;
   if (!IsTrusted(radar_index, stamp)) return;
-  if (is_comparable) CompareSourcesByMapFit(workspace);
+  if (is_comparable) CompareSourcesByMapFit(radar_index, workspace);
   if (is_full) CompareAlongTrackRivals(fit, workspace);
   UpdateTrackingByScanFit(fit);
 }

@@ -59,8 +59,8 @@ bool SeesMotion(const Scan& scan) {
 // METHOD eq 50. Where the vehicle really is, static points lie on landmarks: how they fit at the
 // place by the sources in use and at the alternative's shows which of the two is right.
 template <int Dim>
-void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
-  const std::optional<EgoMotion::AlternativePlace> other = ego_motion_.Alternative();
+void Pipeline<Dim>::CompareSourcesByMapFit(std::size_t radar_index, Workspace<Dim>& workspace) {
+  const std::optional<EgoMotion::AlternativePlace> other = ego_motion_.Alternative(radar_index);
   if (!other) return;
   const Pose<Dim> used = pose_.Now().pose;
   const Pose<Dim> alternative =
@@ -70,7 +70,7 @@ void Pipeline<Dim>::CompareSourcesByMapFit(Workspace<Dim>& workspace) {
                                       {.pose = pose, .covariance = TangentMatrix<Dim>::Zero()},
                                       map_.matcher, workspace);
   };
-  ego_motion_.OnFits(*other, fit_at(used), fit_at(alternative));
+  ego_motion_.OnFits(radar_index, *other, fit_at(used), fit_at(alternative));
 }
 
 // METHOD eq 60. The pose is held against some of the places before and behind it.
@@ -269,8 +269,8 @@ const Scan& Pipeline<Dim>::AsMeasured(const Scan& scan, const EgoVelocity& ego_v
 
 template const Scan& Pipeline<2>::Fresh(const Scan&, std::size_t, Workspace<2>&);
 template const Scan& Pipeline<3>::Fresh(const Scan&, std::size_t, Workspace<3>&);
-template void Pipeline<2>::CompareSourcesByMapFit(Workspace<2>&);
-template void Pipeline<3>::CompareSourcesByMapFit(Workspace<3>&);
+template void Pipeline<2>::CompareSourcesByMapFit(std::size_t, Workspace<2>&);
+template void Pipeline<3>::CompareSourcesByMapFit(std::size_t, Workspace<3>&);
 template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
 template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
 template void Pipeline<2>::RegisterAlongTrackRivals(double, Workspace<2>&);

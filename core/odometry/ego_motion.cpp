@@ -354,8 +354,8 @@ void EgoMotion::AddHeldSpread() {
   spread_since_previous_ += step * step.transpose();
 }
 
-std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative() const {
-  const std::optional<SourceMonitor::PlanarMotion> motion = sources_.Alternative();
+std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative(std::size_t radar_index) const {
+  const std::optional<SourceMonitor::PlanarMotion> motion = sources_.Alternative(radar_index);
   if (!motion) return std::nullopt;
   Vector6d step = Vector6d::Zero();
   step(0) = motion->forward_m;

@@ -124,11 +124,12 @@ class EgoMotion {
     Pose3 T_used_alternative;            ///< the same as a pose
   };
   /// The most probable such place; see SourceMonitor::Alternative.
-  std::optional<AlternativePlace> Alternative() const;
+  std::optional<AlternativePlace> Alternative(std::size_t radar_index) const;
   /// How the newest scan fits the map, [0, 1], where the vehicle is taken to be and at the place
   /// that `Alternative` has returned.
-  void OnFits(const AlternativePlace& alternative, double fit, double alternative_fit) {
-    sources_.OnFits(alternative.motion, fit, alternative_fit);
+  void OnFits(std::size_t radar_index, const AlternativePlace& alternative, double fit,
+              double alternative_fit) {
+    sources_.OnFits(radar_index, alternative.motion, fit, alternative_fit);
   }
 
   /// A registration whose scans no earlier one used puts the vehicle here at the last scan, with a

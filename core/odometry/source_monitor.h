@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <optional>
 #include <span>
+#include <vector>
 
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
@@ -197,13 +198,14 @@ class SourceMonitor {
 
   /// The most probable other motion, besides the one that was used since a registration was last
   /// accepted, that is not improbable and puts the vehicle elsewhere. Nothing too soon after the
-  /// last `OnFits`.
-  std::optional<PlanarMotion> Alternative() const;
+  /// last `OnFits` of radar `radar_index`: what radars see of one moment counts for each of them.
+  std::optional<PlanarMotion> Alternative(std::size_t radar_index) const;
 
-  /// How a scan at the last readings fits the map, [0, 1]: `fit` where the vehicle is by the motion
-  /// that was used, `alternative_fit` where `alternative` puts it. `alternative` is what
-  /// `Alternative` returned for these readings.
-  void OnFits(const PlanarMotion& alternative, double fit, double alternative_fit);
+  /// How a scan of that radar at the last readings fits the map, [0, 1]: `fit` where the vehicle is
+  /// by the motion that was used, `alternative_fit` where `alternative` puts it. `alternative` is
+  /// what `Alternative` returned for these readings.
+  void OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
+              double alternative_fit);
 
  private:
   // Which sources are sound, and how the vehicle moves if so.
@@ -293,7 +295,7 @@ class SourceMonitor {
   // Sum of (dt^2 / 8)^2 since the registration that is compared next: what a vehicle that speeds up
   // by 1 in a second does between readings dt apart, unseen (as of METHOD eq 23).
   double unseen_s4_ = 0.0;
-  std::optional<Stamp> fits_compared_;
+  std::vector<std::optional<Stamp>> fits_compared_;  // by radar
   std::optional<Registered> registered_;
   // When a registration last spoke for the best hypothesis, or its trial began, and for how many
   // spans.

@@ -115,8 +115,13 @@ SourceMonitor::Spread SourceMonitor::CurrentSpread() const {
   return spread;
 }
 
-std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative() const {
-  if (fits_compared_ && *newest_ - *fits_compared_ < options_.interval) return std::nullopt;
+std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
+    std::size_t radar_index) const {
+  const bool was_compared =
+      radar_index < fits_compared_.size() && fits_compared_[radar_index].has_value();
+  if (was_compared && *newest_ - *fits_compared_[radar_index] < options_.interval) {
+    return std::nullopt;
+  }
   const Hypothesis* alternative = nullptr;
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() ||
@@ -136,8 +141,10 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative() const {
 
 // METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
 // sources are silent has no place of its own: it counts with the mean.
-void SourceMonitor::OnFits(const PlanarMotion& alternative, double fit, double alternative_fit) {
-  fits_compared_ = newest_;
+void SourceMonitor::OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
+                           double alternative_fit) {
+  fits_compared_.resize(std::max(fits_compared_.size(), radar_index + 1));
+  fits_compared_[radar_index] = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
     const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
     const bool is_alternatives =

@@ -46,10 +46,10 @@ class VehicleOfTwoSpeeds {
   void ScansThatFitAt(double speed_mps, int count) {
     for (int i = 0; i < count; ++i) {
       Scan();
-      const auto alternative = monitor.Alternative();
+      const auto alternative = monitor.Alternative(0);
       if (!alternative) continue;
       const bool uses = std::abs(monitor.speed().value - speed_mps) < 1.0;
-      monitor.OnFits(*alternative, uses ? 0.7 : 0.2, uses ? 0.2 : 0.7);
+      monitor.OnFits(0, *alternative, uses ? 0.7 : 0.2, uses ? 0.2 : 0.7);
     }
   }
 
@@ -69,7 +69,7 @@ TEST(SourceSpreadTest, SourcesThatAgreeHaveNoSpread) {
   EXPECT_LT(spread.along_track_bound_m, 0.05);
   EXPECT_LT(spread.along_track_variance_m2, 1e-3);
   EXPECT_LT(spread.speed_variance, 1e-2);
-  EXPECT_FALSE(vehicle.monitor.Alternative());
+  EXPECT_FALSE(vehicle.monitor.Alternative(0));
 }
 
 TEST(SourceSpreadTest, OnlyWhatTheGateOfStaticTargetsDoesNotReachWidensIt) {
@@ -91,7 +91,7 @@ TEST(SourceSpreadTest, TheAlongTrackSpreadIsWhatTheSourcesDifferBy) {
   EXPECT_NEAR(spread.along_track_bound_m, apart_m, 0.1);
   EXPECT_GT(GateOf(spread), 0.15 * kTrue_mps) << "half of what they differ by";
   EXPECT_GT(std::sqrt(spread.along_track_variance_m2), 0.3 * apart_m);
-  const auto alternative = vehicle.monitor.Alternative();
+  const auto alternative = vehicle.monitor.Alternative(0);
   ASSERT_TRUE(alternative);
   EXPECT_NEAR(std::abs(alternative->forward_m), apart_m, 0.1);
 }
@@ -101,7 +101,7 @@ TEST(SourceSpreadTest, WhereScansFitDecides) {
     VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);
     vehicle.ScansThatFitAt(right_mps, 12);
     EXPECT_NEAR(vehicle.monitor.speed().value, right_mps, 0.5);
-    EXPECT_FALSE(vehicle.monitor.Alternative());
+    EXPECT_FALSE(vehicle.monitor.Alternative(0));
     EXPECT_LT(vehicle.monitor.CurrentSpread().speed_variance, 0.1);
   }
 }
@@ -110,11 +110,11 @@ TEST(SourceSpreadTest, FitsThatAreEqualDecideNothing) {
   VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);
   vehicle.Scans(5);
   const double before = vehicle.monitor.confidence();
-  const auto alternative = vehicle.monitor.Alternative();
+  const auto alternative = vehicle.monitor.Alternative(0);
   ASSERT_TRUE(alternative);
-  vehicle.monitor.OnFits(*alternative, 0.5, 0.5);
+  vehicle.monitor.OnFits(0, *alternative, 0.5, 0.5);
   EXPECT_NEAR(vehicle.monitor.confidence(), before, 1e-9);
-  EXPECT_FALSE(vehicle.monitor.Alternative()) << "the same scan counts once";
+  EXPECT_FALSE(vehicle.monitor.Alternative(0)) << "the same scan counts once";
 }
 
 // What the others say is then besides what the pose was moved by.
@@ -122,9 +122,9 @@ TEST(SourceSpreadTest, TheSpreadOutlivesAChangeOfTheSources) {
   VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);
   vehicle.Scans(5);
   const double speed_mps = vehicle.monitor.speed().value;
-  const auto alternative = vehicle.monitor.Alternative();
+  const auto alternative = vehicle.monitor.Alternative(0);
   ASSERT_TRUE(alternative);
-  vehicle.monitor.OnFits(*alternative, 0.2, 0.7);
+  vehicle.monitor.OnFits(0, *alternative, 0.2, 0.7);
   vehicle.Scan();
   ASSERT_GT(std::abs(vehicle.monitor.speed().value - speed_mps), 1.0) << "the alternative is used";
   EXPECT_NEAR(vehicle.monitor.CurrentSpread().along_track_bound_m,
