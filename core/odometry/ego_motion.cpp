@@ -1,6 +1,5 @@
 #include "core/odometry/ego_motion.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -9,30 +8,6 @@
 #include "core/odometry/tick_motion.h"
 
 namespace dcloc {
-namespace {
-
-// Squared Mahalanobis distance of two independent estimates, over v_x and yaw rate: the components
-// that both really measure.
-double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
-  const Matrix6d sum = *a.covariance + *b.covariance;
-  const Eigen::Vector2d apart(a.linear_mps.x() - b.linear_mps.x(),
-                              a.angular_radps.z() - b.angular_radps.z());
-  Eigen::Matrix2d spread;
-  spread << sum(0, 0), sum(0, 5), sum(5, 0), sum(5, 5);
-  return apart.dot(spread.ldlt().solve(apart));
-}
-
-// Whether the vehicle's `speed` speaks for the motion `a` rather than for `b`.
-bool IsNearer(const DopplerEgoVelocity& a, const DopplerEgoVelocity& b,
-              const ScalarEstimate& speed) {
-  const auto apart = [&](const DopplerEgoVelocity& doppler) {
-    return std::abs(doppler.ego_velocity.linear_mps.x() - speed.value);
-  };
-  return apart(a) < apart(b);
-}
-
-}  // namespace
-
 std::span<const OptionField<EgoMotionOptions>> FieldsOf(const EgoMotionOptions& /*options*/) {
   using O = EgoMotionOptions;
   static constexpr OptionField<O> kFields[] = {
@@ -90,7 +65,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (scan.ego_velocity) {
     held_velocity_.OnReported(stamp, *scan.ego_velocity);
     const bool has_moved_on = std::abs(disagreement_.distance_m()) > options_.max_held_distance_m;
-    if (has_moved_on || held_velocity_.IsUnusual()) OnHeldContradicted();
+    if (has_moved_on || held_velocity_.IsUnusual()) held_velocity_.OnContradicted();
     outdated_by_ = doppler ? held_velocity_.age() : std::chrono::nanoseconds(0);
     if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
@@ -195,9 +170,10 @@ void EgoMotion::Learn(const std::optional<EgoVelocity>& reported, const EgoVeloc
   if (follows_reports()) {
     errors_.OnMotion(since_previous_.T_from_to, age);
   } else if (with_sound_wheels && reported_with_sound_wheels_) {
+    using Origin = OdometryErrorFilter::SpeedOrigin;
     errors_.OnMotion(
         Integrate(*reported_with_sound_wheels_, *with_sound_wheels, age, options_.motion).T_from_to,
-        age);
+        age, sources_.IsSound(OdometrySource::kWheelSpeed) ? Origin::kWheels : Origin::kOther);
   } else {
     errors_.OnDiscontinuity();
   }
@@ -339,14 +315,11 @@ void EgoMotion::AddSpread() {
   covariance(5, 5) += spread_.yaw_rate_variance;
 }
 
-void EgoMotion::OnHeldContradicted() {
-  trusted_held_ += std::min(held_velocity_.OnContradicted(), options_.disagreement.fading);
-}
-
 // Until it was contradicted, a velocity that is held has led the pose as if it were new. The
 // vehicle may have turned otherwise meanwhile; how fast it is, Doppler said.
 void EgoMotion::AddHeldSpread() {
-  const double age_s = SecondsOf(std::exchange(trusted_held_, std::chrono::nanoseconds(0)));
+  const double age_s =
+      SecondsOf(std::min(held_velocity_.TakeTrusted(), options_.disagreement.fading));
   if (age_s <= 0.0) return;
   Vector6d step = Vector6d::Zero();
   step(5) = 0.5 * options_.motion.yaw_acceleration_sigma_radps2 * age_s * age_s;

@@ -142,7 +142,7 @@ class EgoMotion {
   /// led it astray.
   void OnPoseDoubted() {
     errors_.OnDoubt();
-    OnHeldContradicted();
+    held_velocity_.OnContradicted();
   }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() {
@@ -223,7 +223,6 @@ class EgoMotion {
   }
   void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                          const DopplerEgoVelocity* doppler);
-  void OnHeldContradicted();
   void AddHeldSpread();
   void ApplyCorrection();
   void Correct(double forward_m, double turn_rad);
@@ -240,9 +239,8 @@ class EgoMotion {
   ForwardAcceleration acceleration_;
   YawRateSign yaw_rate_sign_;
   HeldVelocity held_velocity_;
-  bool wheels_leap_ = false;                  // at the last scan, while Doppler goes on
-  std::chrono::nanoseconds outdated_by_{0};   // the newest velocity, where Doppler is newer
-  std::chrono::nanoseconds trusted_held_{0};  // how long the pose went by a velocity that was old
+  bool wheels_leap_ = false;                 // at the last scan, while Doppler goes on
+  std::chrono::nanoseconds outdated_by_{0};  // the newest velocity, where Doppler is newer
   MotionHistory history_;
   Pose3 expected_motion_;
   Motion since_previous_;

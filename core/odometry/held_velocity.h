@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <optional>
+#include <utility>
 
 #include "core/radar/scan.h"
 #include "core/radar/stamp.h"
@@ -44,12 +45,16 @@ class HeldVelocity {
     return change_count_ >= kKnownAfter && repeat_count_ > 2 * usual_repeat_count_ + kMore;
   }
 
-  /// The vehicle has moved away from what it reports. Returns for how long it may have done so
-  /// unseen: 0 where it was known already.
-  std::chrono::nanoseconds OnContradicted() {
-    if (is_contradicted_) return std::chrono::nanoseconds(0);
-    is_contradicted_ = repeated_for_ > std::chrono::nanoseconds(0);
-    return repeated_for_;
+  /// The vehicle has moved away from what it reports.
+  void OnContradicted() {
+    if (is_contradicted_ || repeated_for_ <= std::chrono::nanoseconds(0)) return;
+    is_contradicted_ = true;
+    trusted_for_ += repeated_for_;
+  }
+
+  /// For how long an old velocity was taken for a new one, until it was contradicted; said once.
+  std::chrono::nanoseconds TakeTrusted() {
+    return std::exchange(trusted_for_, std::chrono::nanoseconds(0));
   }
 
   /// How old the newest velocity is: none, as long as nothing has contradicted it.
@@ -62,6 +67,7 @@ class HeldVelocity {
   double speed_mps_ = 0.0;
   double yaw_rate_radps_ = 0.0;
   std::chrono::nanoseconds repeated_for_{0};
+  std::chrono::nanoseconds trusted_for_{0};
   bool is_contradicted_ = false;
   int repeat_count_ = 0;        // of the newest velocity
   int usual_repeat_count_ = 0;  // the most of those before it that nothing contradicted

@@ -93,7 +93,8 @@ std::optional<ScalarEstimate> OdometryErrorFilter::LearnedYawRateBias() const {
   return ScalarEstimate{yaw_rate_bias_radps_, variance};
 }
 
-void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration) {
+void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration,
+                                   SpeedOrigin speed_origin) {
   const double duration_s = std::chrono::duration<double>(duration).count();
   if (duration_s <= 0.0) return;
   const Pose2 reported = Flatten(T_from_to);
@@ -111,7 +112,7 @@ void OdometryErrorFilter::OnMotion(const Pose3& T_from_to, std::chrono::nanoseco
   const Eigen::Vector2d& way_m = T_before_now.translation_m;
   Covariance by_states = Covariance::Identity();
   by_states.topLeftCorner<kPose, kPose>() = Adjoint(T_before_now.Inverse());
-  by_states.block<2, 1>(0, kScale) = way_m / scale_;
+  if (speed_origin == SpeedOrigin::kWheels) by_states.block<2, 1>(0, kScale) = way_m / scale_;
   by_states(2, kYawRateBias) = duration_s;
   by_states.block<2, 1>(0, kSideslip) = Eigen::Vector2d(-way_m.y(), way_m.x());
   States drift;

@@ -78,8 +78,11 @@ class OdometryErrorFilter {
   std::optional<ScalarEstimate> LearnedScale() const;
   std::optional<ScalarEstimate> LearnedYawRateBias() const;
 
-  /// The vehicle moved so since the last call, by odometry that was corrected as said above.
-  void OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration);
+  /// The vehicle moved so since the last call, by odometry that was corrected as said above. The
+  /// wheels' scale is learned of a speed that is theirs alone.
+  enum class SpeedOrigin { kWheels, kOther };
+  void OnMotion(const Pose3& T_from_to, std::chrono::nanoseconds duration,
+                SpeedOrigin speed_origin = SpeedOrigin::kWheels);
 
   /// A registration of scans that no other one took puts the vehicle here, with a covariance of
   /// (x, y, yaw) in the tangent space on the right.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <Eigen/Cholesky>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 
@@ -38,6 +40,26 @@ inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
     if (radar_count > 1) readings.alternative_yaw_rate = yaw_rate_of(alternative->ego_velocity);
   }
   return readings;
+}
+
+/// Squared Mahalanobis distance of two independent estimates, over v_x and yaw rate: the components
+/// that both really measure.
+inline double SquaredDistance(const EgoVelocity& a, const EgoVelocity& b) {
+  const Matrix6d sum = *a.covariance + *b.covariance;
+  const Eigen::Vector2d apart(a.linear_mps.x() - b.linear_mps.x(),
+                              a.angular_radps.z() - b.angular_radps.z());
+  Eigen::Matrix2d spread;
+  spread << sum(0, 0), sum(0, 5), sum(5, 0), sum(5, 5);
+  return apart.dot(spread.ldlt().solve(apart));
+}
+
+/// Whether the vehicle's `speed` speaks for the motion `a` rather than for `b`.
+inline bool IsNearer(const DopplerEgoVelocity& a, const DopplerEgoVelocity& b,
+                     const ScalarEstimate& speed) {
+  const auto apart = [&](const DopplerEgoVelocity& doppler) {
+    return std::abs(doppler.ego_velocity.linear_mps.x() - speed.value);
+  };
+  return apart(a) < apart(b);
 }
 
 }  // namespace dcloc
