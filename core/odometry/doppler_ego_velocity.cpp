@@ -157,6 +157,20 @@ bool IsWellConditioned(const Matrix3d& normal, double max_condition) {
   return solver.eigenvalues()(0) * max_condition > solver.eigenvalues()(2);
 }
 
+void CountStandingDirections(const std::vector<Row>& rows, const Vector3d& state, double gate_mps,
+                             DopplerEgoVelocity& doppler) {
+  Directions moving;
+  Directions standing;
+  for (const Row& row : rows) {
+    const bool fits_motion = std::abs(Residual(row, state)) <= gate_mps;
+    const bool fits_standing = std::abs(row.range_rate_mps) <= gate_mps;
+    if (fits_motion == fits_standing) continue;
+    (fits_motion ? moving : standing).set(static_cast<std::size_t>(row.direction));
+  }
+  doppler.moving_direction_count = static_cast<int>(moving.count());
+  doppler.standing_direction_count = static_cast<int>(standing.count());
+}
+
 Matrix6d PlanarTwistCovariance(const Matrix3d& planar) {
   // What the planar model fixes at zero is known to be small, not known exactly.
   constexpr double kVerticalVariance = 1e-4;
@@ -196,10 +210,12 @@ std::optional<DopplerEgoVelocity> MovingEgoVelocity(const std::vector<Row>& rows
   const Matrix3d covariance =
       std::max(1.0, solution.residual_variance) * solution.normal.inverse() +
       FloorVariances(options);
-  return DopplerEgoVelocity{.ego_velocity = PlanarEgoVelocity(state, covariance),
-                            .inlier_count = static_cast<int>(inliers.size()),
-                            .target_count = static_cast<int>(rows.size()),
-                            .direction_count = CountDirections(inliers)};
+  DopplerEgoVelocity doppler{.ego_velocity = PlanarEgoVelocity(state, covariance),
+                             .inlier_count = static_cast<int>(inliers.size()),
+                             .target_count = static_cast<int>(rows.size()),
+                             .direction_count = CountDirections(inliers)};
+  CountStandingDirections(rows, state, options.inlier_gate_mps, doppler);
+  return doppler;
 }
 
 }  // namespace

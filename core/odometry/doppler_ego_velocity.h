@@ -52,7 +52,10 @@ struct DopplerEgoVelocity {
   EgoVelocity ego_velocity;  ///< planar: v_z, roll rate and pitch rate are 0; covariance is set
   int inlier_count = 0;
   int target_count = 0;
-  int direction_count = 0;  ///< in how many tens of degrees around the vehicle there are inliers
+  // In how many tens of degrees around the vehicle there are:
+  int direction_count = 0;           ///< inliers
+  int moving_direction_count = 0;    ///< inliers that a standing vehicle would not see
+  int standing_direction_count = 0;  ///< others, that a standing vehicle would see
 };
 
 /// One target's row of the motion's equations: range rate = row . (v_x, v_y, yaw rate) + noise

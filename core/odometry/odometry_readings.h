@@ -33,6 +33,8 @@ inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
     readings.doppler_speed = speed_of(doppler->ego_velocity);
     if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
     readings.doppler_direction_count = doppler->direction_count;
+    readings.moving_direction_count = doppler->moving_direction_count;
+    readings.standing_direction_count = doppler->standing_direction_count;
     readings.doppler_radar_count = radar_count;
   }
   if (alternative) {

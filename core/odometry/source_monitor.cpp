@@ -14,9 +14,6 @@ constexpr auto kWheelSpeed = static_cast<std::size_t>(OdometrySource::kWheelSpee
 constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
 constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 
-// A speed of fewer deviations than this may be none.
-constexpr double kStandingSigmas = 3.0;
-
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
@@ -68,6 +65,10 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
       {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
       {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0.1, 1000},
+      {"max_unseen_direction_count", &O::max_unseen_direction_count, 0, 36,
+       "one target that stands still is enough"},
+      {"unseen_standing_log_likelihood", &O::unseen_standing_log_likelihood, 0, 100,
+       "what stands still may be out of sight"},
       {"fast_reverse_probability", &O::fast_reverse_probability, 1e-30, 1},
       {"recovery_rate_hz", &O::recovery_rate_hz, 1e-9, 10},
       {"start_span_ms", &O::start_span, 1, 1e6},
@@ -119,7 +120,7 @@ void SourceMonitor::Begin(const OdometryReadings& readings) {
   const bool doppler_stands =
       readings.doppler_speed &&
       std::abs(readings.doppler_speed->value) <=
-          kStandingSigmas *
+          SourceMonitor::kStandingSigmas *
               std::max(options_.min_speed_sigma_mps, std::sqrt(readings.doppler_speed->variance));
   const Transitions transitions =
       TransitionsIn(SecondsOf(options_.start_span), readings.doppler_direction_count,
@@ -144,13 +145,6 @@ void SourceMonitor::ForgetStates() {
     hypothesis.yaw_rate.variance = SquareOf(options_.silent_yaw_rate_sigma_radps);
   }
   before_ = {};
-}
-
-void SourceMonitor::DoubtFastReverse() {
-  for (Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.speed.value >= -options_.max_reverse_speed_mps) continue;
-    hypothesis.log_weight += std::log(options_.fast_reverse_probability);
-  }
 }
 
 // No source is as certain as it claims.
@@ -206,6 +200,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
     }
   }
   if (!compared_ || joins) DoubtFastReverse();
+  DoubtStanding(floored);
   Normalize();
   TryOthers(stamp, readings);
   before_ = floored;

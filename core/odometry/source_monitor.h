@@ -42,6 +42,10 @@ struct OdometryReadings {
   /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
   /// view is seen in few.
   int doppler_direction_count = 0;
+  /// Of these, those with targets that move for a standing vehicle; and directions with targets
+  /// that stand still for it, and do not for the Doppler.
+  int moving_direction_count = 0;
+  int standing_direction_count = 0;
   std::size_t doppler_radar_count = 0;  ///< radars whose scans the Doppler is of
 };
 
@@ -81,6 +85,11 @@ struct SourceMonitorOptions {
   /// says so has the wrong sign.
   double max_reverse_speed_mps = 6.0;
   double fast_reverse_probability = 1e-2;  ///< that it does nevertheless
+  /// A standing vehicle sees something that stands still in more directions than this.
+  int max_unseen_direction_count = 1;
+  /// Log-likelihood that it loses at each comparison in which it does not, while what it sees moves
+  /// in more directions than one mover fills.
+  double unseen_standing_log_likelihood = 1.0;
   /// A source is silent when its last reading is older than this.
   std::chrono::nanoseconds silent_after = std::chrono::milliseconds(500);
   // Lower bounds of the standard deviations of readings, whatever their source claims.
@@ -137,6 +146,9 @@ absl::Status Validate(const SourceMonitorOptions& options);
 /// to one set the most probable goes on.
 class SourceMonitor {
  public:
+  /// A speed of fewer deviations than this may be none.
+  static constexpr double kStandingSigmas = 3.0;
+
   /// The gate of `static_points` is what the spread of the speed has to widen.
   explicit SourceMonitor(const SourceMonitorOptions& options = {},
                          const StaticPointsOptions& static_points = {});
@@ -275,6 +287,7 @@ class SourceMonitor {
   bool Joins(Stamp stamp, const OdometryReadings& readings);
   void ForgetStates();
   void DoubtFastReverse();
+  void DoubtStanding(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void Normalize();

@@ -1,5 +1,5 @@
-// By how much the hypotheses differ in how the vehicle moves, from what was used and among
-// themselves.
+// What hypotheses say beside one another: which of them are implausible, and by how much they
+// differ in how the vehicle moves, from what was used and among themselves.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -12,6 +12,29 @@ double SourceMonitor::confidence() const {
   double sum = 0.0;
   for (const Hypothesis& hypothesis : hypotheses_) sum += std::exp(hypothesis.log_weight);
   return 1.0 / sum;
+}
+
+void SourceMonitor::DoubtFastReverse() {
+  for (Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.speed.value >= -options_.max_reverse_speed_mps) continue;
+    hypothesis.log_weight += std::log(options_.fast_reverse_probability);
+  }
+}
+
+// Wheels that stand, as those that slip or a bus that is dead, while all that is seen moves: no
+// scale of range rates makes motion of none, and no mover fills all directions.
+void SourceMonitor::DoubtStanding(const OdometryReadings& readings) {
+  const bool sees_only_motion =
+      readings.moving_direction_count > options_.narrow_direction_count &&
+      readings.standing_direction_count <= options_.max_unseen_direction_count;
+  if (!sees_only_motion || !readings.wheel_speed ||
+      std::abs(readings.wheel_speed->value) > kStandingSigmas * options_.min_speed_sigma_mps) {
+    return;
+  }
+  for (Hypothesis& hypothesis : hypotheses_) {
+    if (Contains(hypothesis.sound, OdometrySource::kDoppler)) continue;
+    hypothesis.log_weight -= options_.unseen_standing_log_likelihood;
+  }
 }
 
 bool SourceMonitor::IsRuledOut(OdometrySource source) const {

@@ -150,5 +150,19 @@ TEST(EgoVelocityTest, DirectionsAreThoseOfTheInliers) {
   EXPECT_LE(estimate->direction_count, 20);
 }
 
+TEST(EgoVelocityTest, CountsWhatAStandingVehicleWouldSee) {
+  const RadarModel radar = RadarAt("front", 3.6, 0.0, 0.0);
+  Scan scan = StaticScan(radar, PlanarMotion(4.0, 0.0), 200, 2, 1.0);
+  const RadarScan scans[] = {{&scan, &radar}};
+  auto estimate = EstimateEgoVelocity(scans, 5);
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_GE(estimate->moving_direction_count, 8);
+  EXPECT_EQ(estimate->standing_direction_count, 0);
+  AddMovers(scan, 20, 0.0F);  // cars that keep their distance, or what stands still
+  estimate = EstimateEgoVelocity(scans, 5);
+  ASSERT_TRUE(estimate.has_value());
+  EXPECT_GE(estimate->standing_direction_count, 5);
+}
+
 }  // namespace
 }  // namespace dcloc

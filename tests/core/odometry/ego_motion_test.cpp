@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/geometry/covariance.h"
 #include "tests/core/radar/scan_fixture.h"
@@ -125,6 +126,32 @@ TEST(EgoMotionTest, WheelsThatAreSuddenlyAFewPerCentOffAreFollowed) {
     };
     EXPECT_NEAR(speed_after(0, 15'000, 1.0), 12.0, 0.05);
     EXPECT_NEAR(speed_after(15'000, 18'000, factor), 12.0, 0.15) << factor;
+  }
+}
+
+TEST(EgoMotionTest, WheelsThatLeapAreNotFollowedBeforeItIsKnownWhy) {
+  EgoMotion motion;
+  double farthest_mps = 0.0;
+  for (int ms = 0; ms < 18'000; ms += 75) {
+    Scan scan = Seen(ms, Planar(25.0, 0.0));
+    scan.ego_velocity = Planar(ms < 15'000 ? 25.0 : 0.95 * 25.0, 0.0);
+    const double speed_mps = motion.Advance(scan, kRadar).linear_mps.x();
+    if (ms >= 15'000) farthest_mps = std::max(farthest_mps, std::abs(speed_mps - 25.0));
+  }
+  EXPECT_LT(farthest_mps, 0.3) << "wheels alone would be off by 1.25";
+}
+
+// A vehicle that speeds up and slows down on a highway, with wheels that are late: a scale would be
+// learned of no registration here, only of Doppler.
+TEST(EgoMotionTest, LateWheelsTeachNoScale) {
+  const auto velocity = [](double t_s) { return Planar(27.0 + 3.0 * std::sin(0.5 * t_s), 0.0); };
+  EgoMotion motion;
+  for (int ms = 0; ms < 60'000; ms += 75) {
+    Scan scan = Seen(ms, velocity(1e-3 * ms));
+    scan.ego_velocity = velocity(1e-3 * ms - 0.25);
+    const double speed_mps = motion.Advance(scan, kRadar).linear_mps.x();
+    if (ms < 15'000) continue;
+    EXPECT_NEAR(speed_mps, velocity(1e-3 * ms).linear_mps.x(), 0.35) << ms;
   }
 }
 

@@ -20,7 +20,10 @@ class HeldVelocityTest : public ::testing::Test {
     return held_.age();
   }
 
+  EgoVelocity Now() const { return Moving(value_mps_, 0.1); }
+
   HeldVelocity held_;
+  double value_mps_ = 12.0;
   Stamp stamp_{std::chrono::seconds(100)};
 };
 
@@ -34,6 +37,33 @@ TEST_F(HeldVelocityTest, WhatIsRepeatedIsAsOldAsWhenItFirstCame) {
 TEST_F(HeldVelocityTest, WhatNothingContradictsIsTrueAsLongAsItLasts) {
   for (int i = 0; i < 100; ++i) held_.OnReported(stamp_ += milliseconds(75), Moving(12.0, 0.1));
   EXPECT_EQ(held_.age(), milliseconds(0));
+}
+
+TEST_F(HeldVelocityTest, ForHowLongAnOldVelocityWasTrustedIsSaidOnce) {
+  EXPECT_EQ(held_.TakeTrusted(), milliseconds(0));
+  Report(Moving(12.0, 0.1), 10);
+  held_.OnContradicted();
+  EXPECT_EQ(held_.TakeTrusted(), milliseconds(675));
+  Report(Moving(12.0, 0.1));
+  EXPECT_EQ(held_.TakeTrusted(), milliseconds(0)) << "it was not trusted any more";
+}
+
+TEST_F(HeldVelocityTest, AVelocityThatIsRepeatedForLongerThanAnyBeforeIsUnusual) {
+  const auto change = [this](int count, int repeats) {
+    for (int i = 0; i < count; ++i) {
+      value_mps_ += 0.01;
+      for (int k = 0; k <= repeats; ++k) held_.OnReported(stamp_ += milliseconds(75), Now());
+    }
+  };
+  change(30, 10);
+  EXPECT_FALSE(held_.IsUnusual()) << "not known yet";
+  held_ = {};
+  change(60, 1);
+  EXPECT_FALSE(held_.IsUnusual());
+  change(1, 4);
+  EXPECT_FALSE(held_.IsUnusual());
+  held_.OnReported(stamp_ += milliseconds(75), Now());
+  EXPECT_TRUE(held_.IsUnusual());
 }
 
 TEST_F(HeldVelocityTest, AVehicleThatStandsOrDrivesStraightAheadIsNotHeld) {

@@ -36,10 +36,13 @@ class Drive {
       const Eigen::Vector3d reported(
           errors.scale() / faults_.scale * speed_mps_, 0.0,
           yaw_rate_radps_ - faults_.yaw_rate_bias_radps + errors.yaw_rate_bias_radps());
-      errors.OnMotion(Embed(Exp(Eigen::Vector3d(kScan_s * reported))), milliseconds(100));
+      errors.OnMotion(Embed(Exp(Eigen::Vector3d(kScan_s * reported))), milliseconds(100),
+                      speed_origin);
     }
     if (with_pose) errors.OnPose(Registered(), Covariance());
   }
+
+  OdometryErrorFilter::SpeedOrigin speed_origin = OdometryErrorFilter::SpeedOrigin::kWheels;
 
   void Become(const Faults& faults) { faults_ = faults; }
   void JumpInMap() { T_map_vehicle_.translation_m.x() += 500.0; }
@@ -224,6 +227,21 @@ TEST(OdometryErrorFilterTest, ABiasIsLearnedFromPosesThatAreDoubtedInBetween) {
   };
   EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDoubt), 0.0175, 0.002);
   EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDiscontinuity), 0.0, 0.002) << "at other places";
+}
+
+// The speed of others stands in for that of wheels that are set aside.
+TEST(OdometryErrorFilterTest, ASpeedThatIsNotTheWheelsTeachesNoScale) {
+  OdometryErrorFilter errors({});
+  Drive drive({.scale = 1.0, .yaw_rate_bias_radps = 0.002});
+  drive.speed_origin = OdometryErrorFilter::SpeedOrigin::kOther;
+  for (int second = 0; second < 60; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.yaw_rate_bias_radps(), 0.002, 0.0005) << "the gyroscope's bias is learned";
+  EXPECT_NEAR(errors.scale(), 1.0, 1e-6);
+  EXPECT_GE(errors.scale_sigma(), 0.01);
+  drive.speed_origin = OdometryErrorFilter::SpeedOrigin::kWheels;
+  drive.Become({.scale = 1.05, .yaw_rate_bias_radps = 0.002});
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  EXPECT_NEAR(errors.scale(), 1.05, 0.01) << "and the scale, once wheels count";
 }
 
 }  // namespace

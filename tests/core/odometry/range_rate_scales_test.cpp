@@ -90,6 +90,22 @@ TEST_F(RangeRateScalesTest, ARadarThatOthersContradictDisputesNothing) {
   EXPECT_EQ(scales_.disputed_distance_m(), 0.0);
 }
 
+TEST_F(RangeRateScalesTest, RangeRatesThatAreRightAgainDisputeNothing) {
+  for (const double factor : {0.0, 1.3}) {
+    scales_ = RangeRateScales(2, {});
+    Drive(factor == 0.0 ? 1e-3 : factor, 20, 1);
+    ASSERT_NE(scales_.Learned(0), 1.0);
+    const Scan right = StaticScan(radar_, moving_, 60, 1, 0.05);
+    Scan corrected = right;
+    CorrectRangeRates(scales_.Learned(0), radar_, moving_, corrected);
+    for (int i = 0; i < 6; ++i) {
+      stamp_ += std::chrono::milliseconds(100);
+      scales_.OnScan(stamp_, 0, corrected, 3, radar_, moving_);
+    }
+    EXPECT_LT(scales_.disputed_distance_m(), 0.2) << factor;
+  }
+}
+
 TEST_F(RangeRateScalesTest, RegistrationsForASecondLetItBeLearned) {
   Drive(1.3, 30);
   EXPECT_EQ(scales_.Learned(0), 1.0);  // nothing spoke for the motion it was compared with

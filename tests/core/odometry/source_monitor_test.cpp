@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <optional>
@@ -302,6 +303,30 @@ TEST(SourceMonitorTest, InputsThatMeanNothingGiveNumbers) {
     ASSERT_TRUE(std::isfinite(monitor.speed().value) && std::isfinite(monitor.speed().variance));
     ASSERT_TRUE(std::isfinite(monitor.yaw_rate().value) && std::isfinite(monitor.confidence()));
   }
+}
+
+// A bus that is dead while the vehicle pulls away, or a queue beside a vehicle that stands.
+double SpeedOfWhoPullsAway(int standing_direction_count) {
+  SourceMonitor monitor;
+  Stamp stamp{};
+  for (int i = 0; i < 150; ++i) {
+    const double doppler_mps = std::max(0.0, 2.0 * 0.077 * (i - 110));
+    const bool moves = doppler_mps > 0.5;
+    monitor.OnReadings(stamp += milliseconds(77),
+                       {.wheel_speed = Speed(0.0, 0.1),
+                        .yaw_rate = Speed(0.0, 0.005),
+                        .doppler_speed = Speed(doppler_mps, 0.5),
+                        .doppler_direction_count = 8,
+                        .moving_direction_count = moves ? 8 : 0,
+                        .standing_direction_count = moves ? standing_direction_count : 0});
+    static_cast<void>(monitor.OnUsedMotion(0.077 * monitor.speed().value, 0.0));
+  }
+  return monitor.speed().value;
+}
+
+TEST(SourceMonitorTest, WhoStandsSeesSomethingThatStandsStill) {
+  EXPECT_NEAR(SpeedOfWhoPullsAway(0), 2.0 * 0.077 * 39, 0.5);
+  EXPECT_NEAR(SpeedOfWhoPullsAway(4), 0.0, 0.5) << "the queue beside it pulls away";
 }
 
 }  // namespace

@@ -117,6 +117,26 @@ TEST(SourceSpreadTest, FitsThatAreEqualDecideNothing) {
   EXPECT_FALSE(vehicle.monitor.Alternative(0)) << "the same scan counts once";
 }
 
+TEST(SourceSpreadTest, ScansOfEachRadarCount) {
+  VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  const auto alternative = vehicle.monitor.Alternative(0);
+  ASSERT_TRUE(alternative);
+  vehicle.monitor.OnFits(0, *alternative, 0.5, 0.5);
+  EXPECT_FALSE(vehicle.monitor.Alternative(0));
+  EXPECT_TRUE(vehicle.monitor.Alternative(3)) << "of the same moment";
+}
+
+TEST(SourceSpreadTest, ASourceIsRuledOutOnceNothingProbableTrustsIt) {
+  VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);
+  vehicle.Scans(5);
+  EXPECT_FALSE(vehicle.monitor.IsRuledOut(OdometrySource::kWheelSpeed));
+  EXPECT_FALSE(vehicle.monitor.IsRuledOut(OdometrySource::kDoppler));
+  vehicle.ScansThatFitAt(kTrue_mps, 30);
+  EXPECT_TRUE(vehicle.monitor.IsRuledOut(OdometrySource::kWheelSpeed));
+  EXPECT_FALSE(vehicle.monitor.IsRuledOut(OdometrySource::kDoppler));
+}
+
 // What the others say is then besides what the pose was moved by.
 TEST(SourceSpreadTest, TheSpreadOutlivesAChangeOfTheSources) {
   VehicleOfTwoSpeeds vehicle(0.7 * kTrue_mps);

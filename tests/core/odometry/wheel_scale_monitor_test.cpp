@@ -60,6 +60,17 @@ TEST(WheelScaleMonitorTest, FindsAChangeWithinSecondsAndMeasuresIt) {
   }
 }
 
+TEST(WheelScaleMonitorTest, TellsAnUnusualMoment) {
+  SpeedsOfDrive drive(1.01);
+  EXPECT_FALSE(drive.monitor().IsUnusual(20.0, 25.0, 0.0)) << "what is usual is not known";
+  drive.Drive(20.0, 1.0);
+  EXPECT_FALSE(drive.monitor().IsUnusual(20.0, 20.2, 0.0));
+  EXPECT_FALSE(drive.monitor().IsUnusual(20.0, 20.5, 0.0)) << "noise";
+  EXPECT_TRUE(drive.monitor().IsUnusual(20.0, 21.2, 0.0));
+  EXPECT_TRUE(drive.monitor().IsUnusual(20.0, 19.2, 0.0));
+  EXPECT_FALSE(drive.monitor().IsUnusual(20.0, 21.2, 4.0)) << "one of the two may be late";
+}
+
 TEST(WheelScaleMonitorTest, FindsThatTheChangeEnds) {
   SpeedsOfDrive drive;
   drive.Drive(20.0, 1.0);
