@@ -67,7 +67,12 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     const bool has_moved_on = std::abs(disagreement_.distance_m()) > options_.max_held_distance_m;
     if (has_moved_on || held_velocity_.IsUnusual()) held_velocity_.OnContradicted();
     outdated_by_ = doppler ? held_velocity_.age() : std::chrono::nanoseconds(0);
+    const bool was_late = late_.delay_s().has_value();
     if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
+    if (late_.delay_s().has_value() != was_late) {  // the scale was learned of another moment
+      errors_.OnScaleChange({.variance = std::pow(options_.error_filter.scale_sigma, 2)});
+      wheel_scale_ = WheelScaleMonitor(options_.wheel_scale);
+    }
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
   sources_.OnReadings(stamp,
@@ -132,9 +137,8 @@ void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
 // What is reported late was true then. Since then the vehicle has become faster as Doppler says.
 double EgoMotion::WheelSpeedNow_mps(const EgoVelocity& late) const {
   if (!late_.delay_s()) return late.linear_mps.x();
-  const std::chrono::duration<double> delay(late_.delay_s()->value);
-  return late.linear_mps.x() +
-         acceleration_.Gain_mps(std::chrono::duration_cast<std::chrono::nanoseconds>(delay));
+  const std::chrono::nanoseconds delay(std::llround(1e9 * late_.delay_s()->value));
+  return late.linear_mps.x() + acceleration_.Gain_mps(delay);
 }
 
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
@@ -226,9 +230,7 @@ bool EgoMotion::WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppl
   const double wheels_mps = WheelSpeedNow_mps(reported);
   const double doppler_mps = doppler.linear_mps.x();
   const double gain_mps = acceleration_.Gain_mps(std::chrono::seconds(1));
-  if (!velocity_ || !wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) {
-    return false;
-  }
+  if (!wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) return false;
   const double before_mps = velocity_->linear_mps.x();
   return std::abs(doppler_mps - before_mps) < std::abs(wheels_mps - before_mps);
 }
@@ -320,7 +322,6 @@ void EgoMotion::AddSpread() {
 void EgoMotion::AddHeldSpread() {
   const double age_s =
       SecondsOf(std::min(held_velocity_.TakeTrusted(), options_.disagreement.fading));
-  if (age_s <= 0.0) return;
   Vector6d step = Vector6d::Zero();
   step(5) = 0.5 * options_.motion.yaw_acceleration_sigma_radps2 * age_s * age_s;
   step(1) = velocity_->linear_mps.x() * age_s * step(5) / 3.0;
