@@ -352,8 +352,10 @@ RegistrationOutcome Pipeline<Dim>::UpdatePose(Stamp stamp,
 template <int Dim>
 void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
                                    RegistrationOutcome outcome) {
-  if (tracking_.mode() != TrackingMode::kConfirmed) {
-    ego_motion_.OnPoseDoubted();
+  const TrackingMode mode = tracking_.mode();
+  if (mode != TrackingMode::kConfirmed) {
+    ego_motion_.OnPoseDoubted(mode == TrackingMode::kSuspect ||
+                              mode == TrackingMode::kDeadReckoning);
     pose_.OnDiscontinuity();
   }
   if (!registered) return;

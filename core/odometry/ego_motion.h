@@ -138,11 +138,11 @@ class EgoMotion {
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance) {
     errors_.OnPose(T_map_vehicle, covariance);
   }
-  /// The pose is doubted: see OdometryErrorFilter::OnDoubt. A velocity that is repeated may have
-  /// led it astray.
-  void OnPoseDoubted() {
+  /// The pose is doubted: see OdometryErrorFilter::OnDoubt. One that was not doubted before may
+  /// have been led astray by a velocity that is repeated.
+  void OnPoseDoubted(bool was_confirmed) {
     errors_.OnDoubt();
-    held_velocity_.OnContradicted();
+    if (was_confirmed) held_velocity_.OnContradicted();
   }
   /// The next registration is at another place: it is not compared with the one before.
   void OnPlaceChanged() {
