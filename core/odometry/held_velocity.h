@@ -22,13 +22,13 @@ class HeldVelocity {
   void OnReported(Stamp stamp, const EgoVelocity& velocity) {
     const double speed_mps = velocity.linear_mps.x();
     const double yaw_rate_radps = velocity.angular_radps.z();
-    const bool repeats = since_ && speed_mps == speed_mps_ && yaw_rate_radps == yaw_rate_radps_ &&
-                         speed_mps != 0.0 && yaw_rate_radps != 0.0;
+    const bool is_same = since_ && speed_mps == speed_mps_ && yaw_rate_radps == yaw_rate_radps_;
+    const bool repeats = is_same && speed_mps != 0.0 && yaw_rate_radps != 0.0;
     if (repeats) {
       ++repeat_count_;
     } else {
       if (!is_contradicted_) usual_repeat_count_ = std::max(usual_repeat_count_, repeat_count_);
-      if (since_) ++change_count_;
+      if (since_ && !is_same) ++change_count_;
       since_ = stamp;
       is_contradicted_ = false;
       repeat_count_ = 0;

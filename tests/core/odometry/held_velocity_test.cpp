@@ -66,6 +66,12 @@ TEST_F(HeldVelocityTest, AVelocityThatIsRepeatedForLongerThanAnyBeforeIsUnusual)
   EXPECT_TRUE(held_.IsUnusual());
 }
 
+TEST_F(HeldVelocityTest, ASteadySpeedStraightAheadIsNoChange) {
+  for (int i = 0; i < 100; ++i) held_.OnReported(stamp_ += milliseconds(75), Moving(12.0, 0.0));
+  for (int i = 0; i < 30; ++i) held_.OnReported(stamp_ += milliseconds(75), Moving(12.0, 0.1));
+  EXPECT_FALSE(held_.IsUnusual()) << "a constant curve, as simulated";
+}
+
 TEST_F(HeldVelocityTest, AVehicleThatStandsOrDrivesStraightAheadIsNotHeld) {
   EXPECT_EQ(Report(Moving(0.0, 0.01), 10), milliseconds(0));
   EXPECT_EQ(Report(Moving(12.0, 0.0), 10), milliseconds(0));
