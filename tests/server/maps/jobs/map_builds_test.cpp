@@ -178,7 +178,7 @@ TEST_F(MapBuildsTest, ACancelledBuildAddsNoVersion) {
   EXPECT_EQ(Cancel(build_ids[0]).error_code(), grpc::StatusCode::OK) << "it has ended";
   EXPECT_EQ(Get(build_ids[0]).state(), v1::MAP_BUILD_STATE_DONE);
   EXPECT_EQ(Cancel("nobody").error_code(), grpc::StatusCode::NOT_FOUND);
-  EXPECT_TRUE(NothingIsLeft());
+  EXPECT_TRUE(Eventually([&] { return NothingIsLeft(); })) << "it goes after the state is told";
 }
 
 TEST_F(MapBuildsTest, WhatGivesNoMapFailsAndSaysWhy) {
