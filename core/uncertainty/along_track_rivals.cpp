@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <tuple>
 
 namespace dcloc {
@@ -178,13 +176,6 @@ void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_l
   const Pose2 place = PlaceAt(challenger.offset_m);
   const double shift_m = (T_vehicle_place.translation_m - place.translation_m).norm();
   const bool stayed = shift_m <= options_.max_shift_m;
-  if (getenv("RV"))
-    fprintf(stderr,
-            "OR %.2f lead %.3f shift %.2f stayed %d sum %.2f best %.2f rep %.2f beaten %d out %d "
-            "count %d\n",
-            challenger.offset_m, score_lead, shift_m, (int)stayed, challenger.leads.sum(),
-            challenger.better.sum(), best_fraction_.mean, beaten_count_, (int)stands_out_,
-            registration_count_);
   challenger.leads.Add(options_.lead_per_score * (stayed ? score_lead : 0.0), options_.leads);
 
   const bool is_pose = T_vehicle_place.translation_m.norm() < 0.5 * options_.min_offset_m;
