@@ -12,6 +12,7 @@ std::span<const OptionField<MapFitOptions>> FieldsOf(const MapFitOptions& /*opti
       {"max_point_count", &O::max_point_count, 10, 100'000},
       {"min_scan_count", &O::min_scan_count, 2, 100'000},
       {"forgetting_factor", &O::forgetting_factor, 0, 1, "the newest scan alone counts"},
+      {"learning_delay", &O::learning_delay, 0, 100'000, "each scan is learned from at once"},
       {"contradiction_sigmas", &O::contradiction_sigmas, 0, 1e6, "the share alone decides"},
       {"contradiction_share", &O::contradiction_share, 0, 1, "the deviations alone decide"},
       {"min_sigma", &O::min_sigma, 1e-6, 1},
@@ -50,6 +51,7 @@ void MapFitMonitor::Follow(std::size_t radar_index, std::size_t point_count, dou
   const ForgettingMean& expected = radars_[radar_index];
   if (!IsComparable(expected, point_count)) return;
   decline_.Add((expected.mean - fit) / Sigma(expected), options_.decline);
+  if (decline_.is_exceeded()) unlearned_.clear();
 }
 
 FitTrend MapFitMonitor::Trend() const {
@@ -59,11 +61,21 @@ FitTrend MapFitMonitor::Trend() const {
 
 void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, double fit) {
   if (point_count < static_cast<std::size_t>(options_.min_point_count)) return;
-  radars_[radar_index].Add(fit, options_.forgetting_factor);
+  ForgettingMean& expected = radars_[radar_index];
+  if (expected.count < options_.min_scan_count) {  // nothing is expected that it could decline from
+    return expected.Add(fit, options_.forgetting_factor);
+  }
+  unlearned_.push_back({radar_index, fit});
+  while (unlearned_.size() > static_cast<std::size_t>(options_.learning_delay)) {
+    const Fit& oldest = unlearned_.front();
+    radars_[oldest.radar_index].Add(oldest.value, options_.forgetting_factor);
+    unlearned_.pop_front();
+  }
 }
 
 void MapFitMonitor::Reset() {
   std::ranges::fill(radars_, ForgettingMean{});
+  unlearned_.clear();
   decline_ = {};
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct MapFitOptions {
   int max_point_count = 150;        ///< of a scan, more are thinned
   int min_scan_count = 12;          ///< of a radar before anything is expected of it
   double forgetting_factor = 0.98;  ///< of older scans, some fifty
+  /// Scans that must follow before one is learned from. A decline shows within as many, and then
+  /// none of them is.
+  int learning_delay = 20;
   // A fit contradicts the map if it lies below the expected one by both of these.
   double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
@@ -55,18 +59,24 @@ class MapFitMonitor {
   /// METHOD eq 59.
   FitTrend Trend() const;
 
-  /// Such a scan was taken where the vehicle surely is.
+  /// Such a scan was taken where the vehicle surely is, as far as it is known yet.
   void Learn(std::size_t radar_index, std::size_t point_count, double fit);
 
   /// What was learned does not hold any more.
   void Reset();
 
  private:
+  struct Fit {
+    std::size_t radar_index;
+    double value;
+  };
+
   bool IsComparable(const ForgettingMean& expected, std::size_t point_count) const;
   double Sigma(const ForgettingMean& expected) const;
 
   MapFitOptions options_;
   std::vector<ForgettingMean> radars_;  // the fits of each
+  std::deque<Fit> unlearned_;           // the newest, oldest first
   OneSidedCusum decline_;
 };
 

@@ -67,6 +67,38 @@ TEST(MapFitMonitorTest, ScansThatAllFitALittleLessAreADecline) {
   EXPECT_LE(scans_until(false, 0.5), 12) << "scans that fit as before";
 }
 
+// What is learned meanwhile would make a wrong place the expected one before it is found out.
+TEST(MapFitMonitorTest, ADeclineIsFoundWhileScansAreLearned) {
+  MapFitMonitor monitor = Learned(0.57, 0.045);
+  std::mt19937 random(5);
+  std::normal_distribution<double> elsewhere(0.42, 0.045);
+  int scans_until_declined = 0;
+  for (int scan = 1; scan <= 200; ++scan) {
+    const double fit = elsewhere(random);
+    monitor.Follow(0, kPoints, fit);
+    if (monitor.Trend() == FitTrend::kDeclined) {
+      if (scans_until_declined == 0) scans_until_declined = scan;
+    } else {
+      EXPECT_EQ(scans_until_declined, 0) << "and it lasts, scan " << scan;
+      monitor.Learn(0, kPoints, fit);
+    }
+  }
+  EXPECT_THAT(scans_until_declined, AllOf(Ge(4), Le(20)));
+}
+
+TEST(MapFitMonitorTest, FitsThatChangeSlowlyAreFollowed) {
+  MapFitMonitor monitor = Learned(0.6, 0.045);
+  std::mt19937 random(6);
+  std::normal_distribution<double> noise(0.0, 0.045);
+  for (int scan = 0; scan < 500; ++scan) {
+    const double fit = 0.6 - 0.25 * scan / 500.0 + noise(random);
+    monitor.Follow(0, kPoints, fit);
+    ASSERT_NE(monitor.Trend(), FitTrend::kDeclined) << "scan " << scan;
+    monitor.Learn(0, kPoints, fit);
+  }
+  EXPECT_EQ(monitor.Judge(0, kPoints, 0.3), ScanFit::kAgrees);
+}
+
 TEST(MapFitMonitorTest, UsualScansSeldomDecline) {
   MapFitMonitor monitor = Learned(0.5, 0.06);
   std::mt19937 random(4);
