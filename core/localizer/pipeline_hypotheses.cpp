@@ -85,7 +85,10 @@ void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspa
   map_.matcher.FitsAt(T_vehicle_places, workspace.scan_points, pose_.Now().pose,
                       rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
   rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
-  if (fit == ScanFit::kAgrees) rivals_.LearnRepetition(workspace.rival_fits);
+  // Beside a scan that fits too little, any place fits well.
+  if (fit == ScanFit::kAgrees && radars_.scan_checker.Trend() == FitTrend::kUsual) {
+    rivals_.LearnRepetition(workspace.rival_fits);
+  }
 }
 
 // METHOD section 19. Rivals are registered like the pose, and what counts is which of them fits.

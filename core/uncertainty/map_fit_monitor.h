@@ -20,7 +20,7 @@ struct MapFitOptions {
   double forgetting_factor = 0.98;  ///< of older scans, some fifty
   /// Scans that must follow before one is learned from. A decline shows within as many, and then
   /// none of them is.
-  int learning_delay = 20;
+  int learning_delay = 10;
   // A fit contradicts the map if it lies below the expected one by both of these.
   double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
