@@ -129,8 +129,10 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
       radars_.range_rate_scales.OnRegistered(stamp);
       radars_.azimuth_signs.OnConfirmed();
       relocalizer_.OnRegistered(registered->registration.score);
-      learner_.OnAccepted(stamp, registered->registration, ego_velocity, live_.submap.span(),
-                          map_.matcher, ego_motion_, pose_, workspace);
+      learner_.OnAccepted(
+          stamp, registered->registration, ego_velocity, live_.submap.span(),
+          map_.observability.BluntCovariance(options_.matcher.observability.blunt_sigma_m),
+          map_.matcher, ego_motion_, pose_, workspace);
     }
     if (newest_.outcome == RegistrationOutcome::kAccepted) {
       RegisterAlongTrackRivals(registered->registration.score, workspace);

@@ -8,6 +8,7 @@ template <int Dim>
 void RegistrationLearner<Dim>::OnAccepted(Stamp stamp, const Registration<Dim>& registration,
                                           const EgoVelocity& ego_velocity,
                                           std::chrono::nanoseconds submap_span,
+                                          const Eigen::Matrix2d& blunt_m2,
                                           const MapMatcher<Dim>& matcher, EgoMotion& ego_motion,
                                           CurrentPose<Dim>& pose, Workspace<Dim>& workspace) {
   if (beta_monitor_.IsDue(stamp, submap_span)) {
@@ -26,7 +27,9 @@ void RegistrationLearner<Dim>::OnAccepted(Stamp stamp, const Registration<Dim>& 
                     .covariance = pose.noise_scales().RegistrationCovariance(own)},
                    unobserved_);
   const Pose3& T_map_local = matcher.T_map_local();
-  ego_motion.OnPose(T_map_local * in_space.pose, FlattenCovariance(in_space.covariance));
+  Eigen::Matrix3d covariance = FlattenCovariance(in_space.covariance);
+  covariance.topLeftCorner<2, 2>() += blunt_m2;
+  ego_motion.OnPose(T_map_local * in_space.pose, covariance);
   const Pose<Dim> T_map_vehicle =
       FromSpace<Dim>(T_map_local, Matrix6d::Zero()).pose * registration.T_local_vehicle;
   pose.noise_scales().OnRegistration({.pose = T_map_vehicle, .covariance = own});

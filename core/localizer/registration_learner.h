@@ -22,11 +22,12 @@ class RegistrationLearner {
       : unobserved_(unobserved), beta_monitor_(rig, options) {}
 
   /// `registration` puts a vehicle that was tracking in the local map of `matcher` at `stamp`. It
-  /// is of the sub-map in `workspace`, whose scans span `submap_span`.
+  /// is of the sub-map in `workspace`, whose scans span `submap_span`. Odometry learns of it as if
+  /// it had the covariance `blunt_m2` of (x, y) beside its own.
   void OnAccepted(Stamp stamp, const Registration<Dim>& registration,
                   const EgoVelocity& ego_velocity, std::chrono::nanoseconds submap_span,
-                  const MapMatcher<Dim>& matcher, EgoMotion& ego_motion, CurrentPose<Dim>& pose,
-                  Workspace<Dim>& workspace);
+                  const Eigen::Matrix2d& blunt_m2, const MapMatcher<Dim>& matcher,
+                  EgoMotion& ego_motion, CurrentPose<Dim>& pose, Workspace<Dim>& workspace);
 
   /// What is known of the beta of a radar.
   BetaCheck CheckBeta(std::size_t radar_index) const { return beta_monitor_.Check(radar_index); }

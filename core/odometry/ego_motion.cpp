@@ -151,6 +151,7 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
   }
   const auto change = wheel_scale_.OnSpeeds(stamp, WheelSpeedNow_mps(*reported) / errors_.scale(),
                                             doppler->ego_velocity.linear_mps.x());
+  if (const auto scale = wheel_scale_.TakeScale()) errors_.OnScale(*scale);
   if (!change) return;
   scale_correction_m_ =
       change->share.value *
@@ -240,10 +241,8 @@ EgoVelocity EgoMotion::FromSources(const std::optional<EgoVelocity>& reported,
                                    const std::optional<DopplerEgoVelocity>& doppler,
                                    std::chrono::nanoseconds age) const {
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
-  if (!reported) {
-    if (doppler_is_sound) return doppler->ego_velocity;
-    return doppler ? FromMonitor() : Held(age);
-  }
+  if (!reported && doppler_is_sound) return doppler->ego_velocity;
+  if (!reported) return doppler ? FromMonitor() : Held(age);
   // A single moment's Doppler may be that of a mover, though most often it is sound.
   const bool agree = doppler_is_sound && SquaredDistance(*reported, doppler->ego_velocity) <=
                                              options_.max_squared_distance;

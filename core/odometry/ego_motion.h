@@ -150,7 +150,10 @@ class EgoMotion {
     errors_.OnDiscontinuity();
   }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
-  void ResetErrors() { errors_ = OdometryErrorFilter(options_.error_filter); }
+  void ResetErrors() {
+    errors_ = OdometryErrorFilter(options_.error_filter);
+    wheel_scale_.TellScaleAgain();
+  }
 
   /// From the scan before the last one to the last one; identity at the first. Where a source is
   /// found to have been wrong, it contains the correction of what that made of earlier scans.

@@ -143,12 +143,28 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   const States step = gain * innovation;
   // What is not planar is taken as registered.
   T_map_vehicle_ = T_map_vehicle * Embed(Exp(Eigen::Vector3d(step.head<kPose>() - apart)));
+  TakeConstants(step);
+  const Covariance keep = Covariance::Identity() - gain * by_states;
+  covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();
+}
+
+void OdometryErrorFilter::OnScale(const ScalarEstimate& scale) {
+  const States gain = covariance_.col(kScale) / (covariance_(kScale, kScale) + scale.variance);
+  const States step = gain * (scale.value - scale_);
+  if (T_map_vehicle_) {
+    T_map_vehicle_ = *T_map_vehicle_ * Embed(Exp(Eigen::Vector3d(step.head<kPose>())));
+  }
+  TakeConstants(step);
+  Covariance keep = Covariance::Identity();
+  keep.col(kScale) -= gain;
+  covariance_ = keep * covariance_ * keep.transpose() + scale.variance * gain * gain.transpose();
+}
+
+void OdometryErrorFilter::TakeConstants(const States& step) {
   scale_ += step(kScale);
   yaw_rate_bias_radps_ += step(kYawRateBias);
   sideslip_rad_ += step(kSideslip);
   time_offset_s_ += step(kTimeOffset);
-  const Covariance keep = Covariance::Identity() - gain * by_states;
-  covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();
 }
 
 void OdometryErrorFilter::OnScaleChange(const ScalarEstimate& change) {

@@ -88,6 +88,10 @@ class OdometryErrorFilter {
   /// (x, y, yaw) in the tangent space on the right.
   void OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix3d& covariance);
 
+  /// Another source says what the reported speed is to be multiplied by, from now or long ago: a
+  /// measurement beside the poses, and independent of them.
+  void OnScale(const ScalarEstimate& scale);
+
   /// The scale is larger by this share than it was. What was taken for the motion since the last
   /// poses was not, so the next one starts the filter's pose again.
   void OnScaleChange(const ScalarEstimate& change);
@@ -115,6 +119,7 @@ class OdometryErrorFilter {
   double InnovationScale(double squared_sigmas);
   bool HasChangedAtOnce(const Pose2& T_map_vehicle, const Eigen::Matrix3d& noise);
   void SetVariance(int state, double variance);
+  void TakeConstants(const States& step);
 
   OdometryErrorFilterOptions options_;
   std::optional<Pose3> T_map_vehicle_;  // height and tilt as last registered

@@ -58,7 +58,7 @@ std::optional<WheelScaleChange> WheelScaleMonitor::OnSpan(const Span& span) {
   }
   const double ratio = span.doppler_sum_mps / span.wheels_sum_mps;
   if (usual_count_ < options_.min_usual_span_count) {
-    Learn(ratio);
+    Learn(ratio, VarianceOf(span));
     return std::nullopt;
   }
   // Wheels that slip say nothing of their scale, nor do the spans before and after.
@@ -68,7 +68,7 @@ std::optional<WheelScaleChange> WheelScaleMonitor::OnSpan(const Span& span) {
   }
   const ScalarEstimate deviation{ratio / usual_ratio_ - 1.0, VarianceOf(span)};
   if (std::pow(deviation.value, 2) <= std::pow(options_.usual_sigmas, 2) * deviation.variance)
-    Learn(ratio);
+    Learn(ratio, deviation.variance);
   const bool is_usual = std::pow(deviation.value, 2) <= deviation.variance;
   unusual_distance_m_ = is_usual ? 0.0
                                  : unusual_distance_m_ + std::abs(span.wheels_sum_mps) /
@@ -104,9 +104,16 @@ double WheelScaleMonitor::VarianceOf(const Span& span) const {
          std::pow(options_.speed_sigma_fraction, 2);
 }
 
-void WheelScaleMonitor::Learn(double ratio) {
+void WheelScaleMonitor::Learn(double ratio, double variance) {
   usual_count_ = std::min(usual_count_ + 1, options_.usual_span_count);
   usual_ratio_ += (ratio - usual_ratio_) / usual_count_;
+  usual_variance_ += (variance - usual_variance_) / usual_count_;
+}
+
+std::optional<ScalarEstimate> WheelScaleMonitor::TakeScale() {
+  if (has_told_scale_ || usual_count_ < options_.min_usual_span_count) return std::nullopt;
+  has_told_scale_ = true;
+  return ScalarEstimate{usual_ratio_, usual_variance_};
 }
 
 void WheelScaleMonitor::OnUnsound() {

@@ -60,6 +60,12 @@ class WheelScaleMonitor {
   /// Gives a change once it is found.
   std::optional<WheelScaleChange> OnSpeeds(Stamp stamp, double wheels_mps, double doppler_mps);
 
+  /// What the wheels' speed is to be multiplied by to be Doppler's, with the variance that one span
+  /// leaves: what both get wrong alike no number of spans averages out. Given once, when as many
+  /// spans as it takes were compared, and once more after `TellScaleAgain`.
+  std::optional<ScalarEstimate> TakeScale();
+  void TellScaleAgain() { has_told_scale_ = false; }
+
   /// A share by which the scale may have changed: not enough to be called a change yet.
   std::optional<double> UnconfirmedChange() const;
 
@@ -83,13 +89,15 @@ class WheelScaleMonitor {
 
   std::optional<WheelScaleChange> OnSpan(const Span& span);
   double VarianceOf(const Span& span) const;
-  void Learn(double ratio);
+  void Learn(double ratio, double variance);
   void ForgetUnusual();
 
   WheelScaleMonitorOptions options_;
   std::optional<Span> span_;
   double usual_ratio_ = 1.0;
+  double usual_variance_ = 0.0;  // of the ratio of one span, on average
   int usual_count_ = 0;
+  bool has_told_scale_ = false;
   double unusual_distance_m_ = 0.0;  // since a span was last as usual
   TwoSidedCusum change_;
 };

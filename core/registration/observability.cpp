@@ -12,6 +12,10 @@ struct Shift {
   double min_drop;  // of the score, as a fraction of it
 };
 
+Eigen::Matrix2d Along(const Observability::Direction& direction, double sigma_m) {
+  return sigma_m * sigma_m * direction.axis * direction.axis.transpose();
+}
+
 }  // namespace
 
 std::span<const OptionField<ObservabilityOptions>> FieldsOf(
@@ -24,6 +28,9 @@ std::span<const OptionField<ObservabilityOptions>> FieldsOf(
       {"far_shift_m", &O::far_shift_m, 1e-3, 100},
       {"far_min_drop", &O::far_min_drop, 0, 1, "each direction is observed"},
       {"degenerate_sigma_m", &O::degenerate_sigma_m, 0, 1e6, "all directions weigh the same"},
+      {"blunt_shift_m", &O::blunt_shift_m, 1e-3, 100},
+      {"blunt_max_drop", &O::blunt_max_drop, 0, 1, "no direction is blunt"},
+      {"blunt_sigma_m", &O::blunt_sigma_m, 0, 1e6, "all directions teach the same"},
   };
   return kFields;
 }
@@ -49,10 +56,17 @@ std::bitset<6> Observability::ObservedDof(bool in_space) const {
 Eigen::Matrix2d Observability::DegeneracyCovariance(double sigma_m) const {
   Eigen::Matrix2d degeneracy = Eigen::Matrix2d::Zero();
   for (const Direction& direction : directions) {
-    if (direction.observed) continue;
-    degeneracy += sigma_m * sigma_m * direction.axis * direction.axis.transpose();
+    if (!direction.observed) degeneracy += Along(direction, sigma_m);
   }
   return degeneracy;
+}
+
+Eigen::Matrix2d Observability::BluntCovariance(double sigma_m) const {
+  Eigen::Matrix2d covariance = Eigen::Matrix2d::Zero();
+  for (const Direction& direction : directions) {
+    if (direction.blunt) covariance += Along(direction, sigma_m);
+  }
+  return covariance;
 }
 
 template <int Dim>
@@ -77,13 +91,15 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
   for (int i = 0; i < 2; ++i) {
     auto& direction = observability.directions.at(static_cast<std::size_t>(i));
     direction.axis = solver.eigenvectors().col(1 - i);
-    direction.observed = std::ranges::any_of(shifts, [&](const Shift& shift) {
+    const auto is_felt = [&](const Shift& shift) {
       const Eigen::Matrix<double, Dim, 1> aside_m =
           shift.length_m * (R.template leftCols<2>() * direction.axis);
       const double there = std::max(fit.At(T_local_vehicle.translation_m + aside_m),
                                     fit.At(T_local_vehicle.translation_m - aside_m));
       return there <= (1.0 - shift.min_drop) * here;
-    });
+    };
+    direction.observed = std::ranges::any_of(shifts, is_felt);
+    direction.blunt = !is_felt({options.blunt_shift_m, options.blunt_max_drop});
   }
   return observability;
 }

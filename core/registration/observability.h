@@ -29,6 +29,14 @@ struct ObservabilityOptions {
   /// A registration has this deviation along a direction that is not observed: far beyond what it
   /// can be off by.
   double degenerate_sigma_m = 10.0;
+  // Along a blunt direction, a shift by `blunt_shift_m` costs less than `blunt_max_drop` of the
+  // score. Along rails and walls of dense maps it costs a tenth, among posts and facades two
+  // fifths.
+  double blunt_shift_m = 0.5;   ///< length of the shift
+  double blunt_max_drop = 0.2;  ///< fraction of the score, [0, 1]
+  /// A registration has this deviation along a blunt direction for all that learns from it: it
+  /// slides along with odometry, and catches up now and then.
+  double blunt_sigma_m = 0.7;
 };
 std::span<const OptionField<ObservabilityOptions>> FieldsOf(const ObservabilityOptions& options);
 absl::Status Validate(const ObservabilityOptions& options);
@@ -43,6 +51,7 @@ struct Observability {
   struct Direction {
     Eigen::Vector2d axis;  ///< of length 1, in the vehicle's xy plane
     bool observed = true;
+    bool blunt = false;
   };
   /// The directions of the registration's largest and smallest deviation, at right angles.
   std::array<Direction, 2> directions = {
@@ -60,6 +69,9 @@ struct Observability {
   /// Covariance to be added to a registration's: `sigma_m` squared along the directions that are
   /// not observed.
   Eigen::Matrix2d DegeneracyCovariance(double sigma_m) const;
+
+  /// The same along the directions that are blunt.
+  Eigen::Matrix2d BluntCovariance(double sigma_m) const;
 };
 
 /// The observability of `live` (vehicle frame), registered at `T_local_vehicle` with `covariance`.

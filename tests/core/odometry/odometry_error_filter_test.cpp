@@ -98,6 +98,47 @@ TEST(OdometryErrorFilterTest, LearnsScaleAndYawRateBias) {
   EXPECT_EQ(errors.scale_sigma(), OdometryErrorFilterOptions().min_scale_sigma);
 }
 
+TEST(OdometryErrorFilterTest, AnotherSourceTellsTheScale) {
+  OdometryErrorFilter errors({.scale_sigma = 0.01});
+  errors.OnScale({.value = 1.02, .variance = 1e-4});
+  EXPECT_NEAR(errors.scale(), 1.01, 1e-9) << "as likely as that nothing is wrong";
+  EXPECT_NEAR(errors.scale_sigma(), 0.01 / std::sqrt(2.0), 1e-9);
+  EXPECT_EQ(errors.yaw_rate_bias_radps(), 0.0);
+}
+
+// The pose that the filter keeps was carried on by the old scale.
+TEST(OdometryErrorFilterTest, AScaleThatIsToldLateCorrectsThePoseToo) {
+  Drive drive({.scale = 1.02});
+  OdometryErrorFilter errors({.scale_sigma = 0.01});
+  drive.Second(errors);
+  for (int second = 0; second < 5; ++second) drive.Second(errors, false);
+  errors.OnScale({.value = 1.02, .variance = 1e-6});
+  EXPECT_NEAR(errors.scale(), 1.02, 5e-4);
+  drive.Second(errors);
+  EXPECT_NEAR(errors.scale(), 1.02, 1e-3) << "the pose contradicts nothing";
+}
+
+// Between rails, registrations slide along the track with odometry, and then catch up.
+TEST(OdometryErrorFilterTest, PosesThatSlideTeachLittleOnceDopplerHasSpoken) {
+  OdometryErrorFilter errors({});
+  errors.OnScale({.value = 1.003, .variance = 4e-5});
+  Pose3 T_map_vehicle;
+  const double slide_m[] = {0.0, 0.35, 0.35, 1.0, 1.1, 1.1};
+  constexpr double kBlunt_m = 0.7;
+  for (const double slid_m : slide_m) {
+    Pose3 registered = T_map_vehicle;
+    registered.translation_m.x() += slid_m;
+    errors.OnPose(registered, Eigen::Vector3d(kBlunt_m, 0.02, 0.001).cwiseAbs2().asDiagonal());
+    for (int scan = 0; scan < 10; ++scan) {
+      const Pose3 step = Embed(Exp(Eigen::Vector3d(1.25, 0.0, 0.0)));
+      T_map_vehicle = T_map_vehicle * step;
+      errors.OnMotion(Embed(Exp(Eigen::Vector3d(1.25 * errors.scale(), 0.0, 0.0))),
+                      milliseconds(75));
+    }
+  }
+  EXPECT_NEAR(errors.scale(), 1.0, 0.008);
+}
+
 TEST(OdometryErrorFilterTest, FindsNothingInOdometryThatIsRight) {
   const OdometryErrorFilter errors = After(60, Drive({}));
   EXPECT_NEAR(errors.scale(), 1.0, 0.001);

@@ -48,6 +48,20 @@ TEST(WheelScaleMonitorTest, FindsNothingInWheelsThatAreConstantlyOff) {
   }
 }
 
+TEST(WheelScaleMonitorTest, TellsOnceByWhichFactorWheelsAreSlowerThanDoppler) {
+  SpeedsOfDrive drive;
+  drive.Drive(2.0, 0.98);
+  EXPECT_FALSE(drive.monitor().TakeScale()) << "after two seconds";
+  drive.Drive(3.0, 0.98);
+  const auto scale = drive.monitor().TakeScale();
+  ASSERT_TRUE(scale);
+  EXPECT_NEAR(scale->value, 1.0 / 0.98, 0.004);
+  EXPECT_GE(std::sqrt(scale->variance), WheelScaleMonitorOptions().speed_sigma_fraction);
+  EXPECT_FALSE(drive.monitor().TakeScale()) << "it says the same";
+  drive.monitor().TellScaleAgain();
+  EXPECT_TRUE(drive.monitor().TakeScale());
+}
+
 TEST(WheelScaleMonitorTest, FindsAChangeWithinSecondsAndMeasuresIt) {
   for (const double factor : {0.95, 0.97, 1.03, 1.05}) {
     SpeedsOfDrive drive(1.01);

@@ -42,6 +42,24 @@ TEST(ObservabilityTest, AmongPlacesOfTheirOwnBothAxesAreObserved) {
   EXPECT_TRUE(seen.Observed(VehicleAxis::kX));
   EXPECT_TRUE(seen.Observed(VehicleAxis::kY));
   EXPECT_EQ(seen.DegeneracyCovariance(10.0), Eigen::Matrix2d::Zero());
+  EXPECT_EQ(seen.BluntCovariance(0.7), Eigen::Matrix2d::Zero());
+}
+
+// A dense wall with few posts: posts show a shift of a metre, but half a metre is felt little.
+TEST(ObservabilityTest, AlongADenseWallWithAFewPostsTheAlongTrackPositionIsBlunt) {
+  std::mt19937 random(4);
+  std::vector<GaussianPoint<2>> live = Walls(300, random);
+  std::vector<GaussianPoint<2>> landmarks = Walls(600, random);
+  for (int i = 0; i < 30; ++i) {
+    const GaussianPoint<2> post = PointAt(4.0 * i - 60.0, 8.0);
+    live.push_back(post);
+    landmarks.push_back(post);
+  }
+  const Observability seen = Look(live, landmarks, {});
+  EXPECT_TRUE(seen.Observed(VehicleAxis::kX));
+  const Eigen::Matrix2d blunt = seen.BluntCovariance(0.7);
+  EXPECT_NEAR(blunt(0, 0), 0.49, 0.05);
+  EXPECT_LT(blunt(1, 1), 1e-3);
 }
 
 TEST(ObservabilityTest, AlongSmoothWallsOnlyTheAlongTrackPositionIsNotObserved) {
