@@ -49,8 +49,8 @@ struct WheelScaleChange {
 };
 
 /// Finds that the wheels' speed is suddenly another multiple of Doppler's: their scale has changed
-/// by too little to be slip (METHOD eq 58). Their usual ratio does not matter, so a Doppler speed
-/// that is constantly off by some parts in a thousand is no scale.
+/// by too little to be slip (METHOD eq 58). Their usual ratio does not matter for that. It tells
+/// the scale itself, but no better than one span does: so much may both get wrong alike.
 class WheelScaleMonitor {
  public:
   explicit WheelScaleMonitor(const WheelScaleMonitorOptions& options = {})
