@@ -66,11 +66,10 @@ void MapFitMonitor::Learn(std::size_t radar_index, std::size_t point_count, doub
     return expected.Add(fit, options_.forgetting_factor);
   }
   unlearned_.push_back({radar_index, fit});
-  while (unlearned_.size() > static_cast<std::size_t>(options_.learning_delay)) {
-    const Fit& oldest = unlearned_.front();
-    radars_[oldest.radar_index].Add(oldest.value, options_.forgetting_factor);
-    unlearned_.pop_front();
-  }
+  if (unlearned_.size() <= static_cast<std::size_t>(options_.learning_delay)) return;
+  const Fit& oldest = unlearned_.front();
+  radars_[oldest.radar_index].Add(oldest.value, options_.forgetting_factor);
+  unlearned_.erase(unlearned_.begin());
 }
 
 void MapFitMonitor::Reset() {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -47,7 +46,9 @@ enum class FitTrend { kUsual, kDeclining, kDeclined };
 class MapFitMonitor {
  public:
   MapFitMonitor(std::size_t radar_count, const MapFitOptions& options)
-      : options_(options), radars_(radar_count) {}
+      : options_(options), radars_(radar_count) {
+    unlearned_.reserve(static_cast<std::size_t>(options.learning_delay) + 1);
+  }
 
   /// What the fit of a scan of `point_count` points by radar `radar_index` says: the mean of
   /// exp(-d^2 / 2) over its points, [0, 1].
@@ -76,7 +77,7 @@ class MapFitMonitor {
 
   MapFitOptions options_;
   std::vector<ForgettingMean> radars_;  // the fits of each
-  std::deque<Fit> unlearned_;           // the newest, oldest first
+  std::vector<Fit> unlearned_;          // the newest, oldest first
   OneSidedCusum decline_;
 };
 
