@@ -17,9 +17,9 @@ struct MapFitOptions {
   int max_point_count = 150;        ///< of a scan, more are thinned
   int min_scan_count = 12;          ///< of a radar before anything is expected of it
   double forgetting_factor = 0.98;  ///< of older scans, some fifty
-  /// Scans that must follow before one is learned from. A decline shows within as many, and then
-  /// none of them is.
-  int learning_delay = 10;
+  /// Scans that must follow before one is learned from: with the next, as many as a decline takes
+  /// at least. What waits when one shows is not learned from.
+  int learning_delay = 4;
   // A fit contradicts the map if it lies below the expected one by both of these.
   double contradiction_sigmas = 3.5;  ///< in standard deviations of fits
   double contradiction_share = 0.4;   ///< as a share of the expected fit, [0, 1]
