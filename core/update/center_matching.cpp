@@ -7,6 +7,17 @@
 
 namespace dcloc {
 
+namespace {
+
+/// Equation 62: `own` is the sum of exp(-d^2 / 2) of the `count` > 0 centers within the gate.
+double PositionRatio(double gate, double own, int count) {
+  const double others = count - 1.0;
+  const double alone = others > 0.0 ? -std::expm1(-others) / others : 1.0;
+  return 0.5 * gate * alone * own;
+}
+
+}  // namespace
+
 std::vector<CenterMatch> MatchCenters(std::span<const LandmarkPosition> landmarks,
                                       std::span<const LandmarkPosition> centers,
                                       const CenterMatchingOptions& options) {
@@ -17,6 +28,8 @@ std::vector<CenterMatch> MatchCenters(std::span<const LandmarkPosition> landmark
   matches.reserve(landmarks.size());
   for (const LandmarkPosition& landmark : landmarks) {
     CenterMatch best;
+    double own = 0.0;
+    int count = 0;
     double best_cost = std::numeric_limits<double>::infinity();
     grid.ForEachNear(landmark.position_m, Eigen::Vector2d::Constant(options.max_m),
                      [&](std::uint32_t c) {
@@ -25,11 +38,15 @@ std::vector<CenterMatch> MatchCenters(std::span<const LandmarkPosition> landmark
                        const Eigen::Matrix2d covariance =
                            landmark.covariance_m2 + centers[c].covariance_m2 + pose;
                        const double squared = offset_m.dot(covariance.inverse() * offset_m);
+                       if (squared > options.gate) return;
+                       own += std::exp(-0.5 * squared);
+                       ++count;
                        const double cost = squared + std::log(covariance.determinant());
-                       if (squared > options.gate || cost >= best_cost) return;
-                       best = {c, 0.5 * options.gate * std::exp(-0.5 * squared)};
+                       if (cost >= best_cost) return;
+                       best.center = c;
                        best_cost = cost;
                      });
+    if (count > 0) best.position_ratio = PositionRatio(options.gate, own, count);
     matches.push_back(best);
   }
   return matches;

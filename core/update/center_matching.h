@@ -24,8 +24,8 @@ inline constexpr std::uint32_t kNoCenter = std::numeric_limits<std::uint32_t>::m
 
 struct CenterMatch {
   std::uint32_t center = kNoCenter;
-  /// How much likelier the center lies here if it is of the landmark than if it lies anywhere
-  /// within the gate (equation 62).
+  /// How much likelier the centers within the gate lie as they do if one is of the landmark than if
+  /// all lie anywhere (equation 62). Where many lie, some lie near by chance.
   double position_ratio = 1.0;
 };
 

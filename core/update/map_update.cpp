@@ -10,14 +10,14 @@
 #include "absl/status/status.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/landmark_points.h"
+#include "core/update/base_landmarks.h"
 #include "core/update/detection_model.h"
 #include "core/update/exposure.h"
 #include "core/update/false_hits.h"
 #include "core/update/landmark_refinement.h"
+#include "core/update/lateral_rows.h"
 #include "core/update/pass_centers.h"
 #include "core/update/presence_fit.h"
-#include "core/update/version_score.h"
-#include "core/update/witness.h"
 
 namespace dcloc {
 namespace {
@@ -25,25 +25,6 @@ namespace {
 double Days(Stamp from, Stamp to) {
   return std::chrono::duration<double, std::ratio<86400>>(to - from).count();
 }
-
-/// The landmarks of a map in its local frame.
-struct BaseLandmarks {
-  explicit BaseLandmarks(const EditableMap& map) {
-    landmarks = LandmarksOf(map);
-    for (const PlacedLandmark& landmark : landmarks) {
-      positions.push_back(landmark.position);
-      scans.push_back(landmark.point.scan_count);
-    }
-    for (const EditableKeyframe& keyframe : map.keyframes) {
-      T_local_keyframes.push_back(PoseOf(keyframe.record));
-    }
-  }
-
-  std::vector<PlacedLandmark> landmarks;
-  std::vector<LandmarkPosition> positions;
-  std::vector<int> scans;
-  std::vector<Pose3> T_local_keyframes;
-};
 
 /// One update: what passes say of all places, known ones first.
 class Updater {
@@ -58,6 +39,7 @@ class Updater {
                              [&](std::size_t i) { return FirstGoodStamp(passes[i]); });
     for (const std::size_t i : result_.order) aligned_.push_back(passes[i]);
     for (const PlacedPass& pass : aligned_) passes_.push_back(&pass);
+    witness_of_ = FirstOfWitness(aligned_);
   }
 
   absl::StatusOr<MapUpdate> Run() && {
@@ -206,8 +188,9 @@ class Updater {
     }
     const std::vector<Exposure> base =
         ExposeFrom(base_.T_local_keyframes, passes_.front()->rig, Positions(KnownCount()));
+    const LateralRows rows(base_.T_local_keyframes, Positions(positions_.size()));
     std::vector<double> presence(KnownCount(), 1.0);
-    for (int round = 0; round < 3; ++round) {
+    for (int round = 0; round < 4; ++round) {
       const DetectionModel detection(known, base, base_.scans, presence);
       std::vector<std::vector<PassEvidence>> evidence;
       for (std::size_t i = 0; i < positions_.size(); ++i) {
@@ -217,6 +200,7 @@ class Updater {
           std::span(evidence).first(KnownCount()),
           std::span(evidence).subspan(KnownCount(), found_in_base_count_), result_.presence);
       Describe(std::move(evidence));
+      intermittent_shares_ = rows.IntermittentShares(RowVotes());
       for (std::size_t i = 0; i < KnownCount(); ++i) presence[i] = result_.known[i].presence.stays;
     }
   }
@@ -227,11 +211,41 @@ class Updater {
     return positions;
   }
 
+  // What is real comes and goes as often as what lies in its row.
+  PresenceModel ModelOf(std::size_t i) const {
+    return intermittent_shares_.empty()
+               ? result_.presence
+               : WithIntermittent(result_.presence, intermittent_shares_[i]);
+  }
+
+  bool IsWhereThingsComeAndGo(std::size_t i) const {
+    return !intermittent_shares_.empty() && intermittent_shares_[i] > 0.5;
+  }
+
+  // What is known and seen again votes once. New streets do not: there all that was seen is new.
+  std::vector<RowVote> RowVotes() const {
+    std::vector<RowVote> votes;
+    const auto vote = [&](const LandmarkHistory& history) {
+      const Presence& presence = history.presence;
+      const std::vector<std::size_t>& missed_by = history.absence_witnesses;
+      RowVote& of = votes.emplace_back();
+      if (!missed_by.empty()) of.intermittent = presence.intermittent;
+      if (missed_by.size() == 1) of.only_witness = missed_by.front();
+      const bool is_witnessed = history.witness_count >= options_.min_witnesses;
+      if (is_witnessed) of.lasts = presence.stays + presence.added;
+    };
+    std::ranges::for_each(result_.known, vote);
+    std::ranges::for_each(std::span(result_.found).first(found_in_base_count_), vote);
+    votes.resize(positions_.size());
+    return votes;
+  }
+
   void Describe(std::vector<std::vector<PassEvidence>> evidence) {
     result_.known.clear();
     result_.found.clear();
     again_.clear();
     // What is seen again is as any known landmark: most of it stays. So is what a new street shows.
+    // Where the known landmark does not stay, it is a candidate as any other.
     PresenceModel again = result_.presence;
     again.found_intermittent = again.known_intermittent;
     again.found_never = again.known_removed;
@@ -242,26 +256,35 @@ class Updater {
       history.passes = std::move(evidence[i]);
       CountWitnesses(history);
       if (i < KnownCount()) {
-        history.presence = PosteriorOfMapLandmark(history.passes, result_.presence);
-        history.fate = FateOfKnown(history);
+        history.presence = PosteriorOfMapLandmark(history.passes, ModelOf(i));
+        history.fate = FateOfKnown(history, IsWhereThingsComeAndGo(i));
         result_.known.push_back(std::move(history));
       } else {
         const bool is_found = i < KnownCount() + found_count_;
         const bool is_in_base = i < KnownCount() + found_in_base_count_;
-        history.presence =
-            PosteriorOfCandidate(history.passes, is_in_base ? result_.presence : again);
+        const bool is_candidate = is_found ? is_in_base : !IsKept(i);
+        history.presence = PosteriorOfCandidate(history.passes, is_candidate ? ModelOf(i) : again);
         history.fate = FateOfFound(history);
         (is_found ? result_.found : again_).push_back(std::move(history));
       }
     }
   }
 
+  // Of something that is seen again, whether the known landmark is.
+  bool IsKept(std::size_t i) const {
+    return result_.known[known_of_other_[i - KnownCount()]].fate == LandmarkFate::kKept;
+  }
+
   void CountWitnesses(LandmarkHistory& history) const {
-    std::set<Witness> witnesses;
+    std::set<std::size_t> witnesses, absence_witnesses;
     std::set<std::string> vehicles;
     for (std::size_t p = 0; p < passes_.size(); ++p) {
-      if (history.passes[p].hits == 0) continue;
-      witnesses.insert(WitnessOf(*passes_[p]));
+      const PassEvidence& pass = history.passes[p];
+      if (pass.hits == 0) {
+        if (pass.expected_hits > 1.0) absence_witnesses.insert(witness_of_[p]);
+        continue;
+      }
+      witnesses.insert(witness_of_[p]);
       vehicles.insert(passes_[p]->vehicle);
       const Stamp at = FirstGoodStamp(*passes_[p]);
       if (!history.first_seen) history.first_seen = at;
@@ -269,22 +292,15 @@ class Updater {
     }
     history.witness_count = static_cast<int>(witnesses.size());
     history.vehicle_count = static_cast<int>(vehicles.size());
+    history.absence_witnesses.assign(absence_witnesses.begin(), absence_witnesses.end());
   }
 
-  // Those that looked, and would probably have seen it.
-  int WitnessesOfAbsence(const LandmarkHistory& history) const {
-    std::set<Witness> witnesses;
-    for (std::size_t p = 0; p < passes_.size(); ++p) {
-      const PassEvidence& pass = history.passes[p];
-      if (pass.hits == 0 && pass.expected_hits > 1.0) witnesses.insert(WitnessOf(*passes_[p]));
-    }
-    return static_cast<int>(witnesses.size());
-  }
-
-  LandmarkFate FateOfKnown(const LandmarkHistory& history) const {
+  // Where things come and go by enough witnesses, a landmark does not need as many of its own.
+  LandmarkFate FateOfKnown(const LandmarkHistory& history, bool is_where_things_come_and_go) const {
     const Presence& presence = history.presence;
-    if (presence.stays >= options_.min_keep_probability ||
-        WitnessesOfAbsence(history) < options_.min_witnesses) {
+    const bool is_witnessed = is_where_things_come_and_go ||
+                              std::ssize(history.absence_witnesses) >= options_.min_witnesses;
+    if (presence.stays >= options_.min_keep_probability || !is_witnessed) {
       return LandmarkFate::kKept;
     }
     return presence.removed >= presence.intermittent ? LandmarkFate::kRemoved
@@ -323,8 +339,11 @@ class Updater {
     }
     result_.map.info.length_m += result_.new_streets.joined_m;
     for (const Landmark& landmark : refined) AddLandmark(landmark);
-    for (std::size_t k = 0; k < found_count_; ++k) {
-      if (result_.found[k].fate == LandmarkFate::kAdded) AddLandmark(others_[k]);
+    for (std::size_t k = 0; k < others_.size(); ++k) {
+      const bool is_found = k < found_count_;
+      if (!is_found && IsKept(KnownCount() + k)) continue;
+      const LandmarkHistory& history = is_found ? result_.found[k] : again_[k - found_count_];
+      if (history.fate == LandmarkFate::kAdded) AddLandmark(others_[k]);
     }
   }
 
@@ -334,8 +353,7 @@ class Updater {
     for (std::size_t k = 0; k < again_.size(); ++k) {
       const std::size_t other = found_count_ + k;
       const std::uint32_t known = known_of_other_[other];
-      if (again_[k].fate != LandmarkFate::kAdded) continue;
-      if (result_.known[known].fate != LandmarkFate::kKept) continue;
+      if (again_[k].fate != LandmarkFate::kAdded || !IsKept(KnownCount() + other)) continue;
       refined.push_back(Blend(base_.landmarks[known], others_[other]));
     }
     return refined;
@@ -355,6 +373,7 @@ class Updater {
   std::vector<Pose3> T_local_keyframes_;   // the base map's, then those of new streets
   std::vector<PlacedPass> aligned_;        // by stamp
   std::vector<const PlacedPass*> passes_;  // the same
+  std::vector<std::size_t> witness_of_;    // of each pass, the first of the same witness
   std::vector<Landmark> others_;           // what passes see: found, then seen again
   std::size_t found_in_base_count_ = 0;
   std::size_t found_count_ = 0;                // these, and those in new streets
@@ -363,6 +382,7 @@ class Updater {
   std::vector<LandmarkHistory> again_;         // of what is seen again
   std::vector<PassSightings> sightings_;
   std::vector<std::vector<double>> position_ratios_;  // by pass and place
+  std::vector<double> intermittent_shares_;           // of the rows of places; none at first
   FalseHits false_hits_;
   MapUpdate result_;
 };

@@ -1,14 +1,13 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
 #include "absl/status/statusor.h"
 #include "core/map/editable_map.h"
 #include "core/update/center_matching.h"
+#include "core/update/landmark_history.h"
 #include "core/update/new_streets.h"
 #include "core/update/pass_alignment.h"
 #include "core/update/placed_pass.h"
@@ -26,29 +25,6 @@ struct MapUpdateOptions {
   double min_keep_probability = 0.5;  ///< probability of a landmark that stays in the map
   double min_add_probability = 0.5;   ///< probability of one that comes into it
   int min_witnesses = 2;              ///< vehicles or days, for any change
-};
-
-/// What an update makes of a landmark.
-enum class LandmarkFate {
-  kKept,          ///< was in the map, and is
-  kAdded,         ///< new, and in the map
-  kRemoved,       ///< was in the map, and is gone
-  kIntermittent,  ///< there one day and not the next: not in the map
-  kUnproven,      ///< seen, by too few witnesses or too rarely: not in the map
-};
-inline constexpr const char* kLandmarkFateNames[] = {"kept", "came", "went", "comes and goes",
-                                                     "unproven"};
-
-/// A landmark of the base map, or a place where the passes saw something else.
-struct LandmarkHistory {
-  LandmarkFate fate = LandmarkFate::kKept;
-  Eigen::Vector3d p_map_m = Eigen::Vector3d::Zero();
-  Presence presence;
-  std::vector<PassEvidence> passes;  ///< in the order of their stamps
-  std::optional<Stamp> first_seen;   ///< by the passes of the update
-  std::optional<Stamp> last_seen;
-  int witness_count = 0;  ///< vehicles or days that saw it
-  int vehicle_count = 0;  ///< that saw it
 };
 
 /// A map and what became of each of its landmarks.

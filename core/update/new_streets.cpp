@@ -5,7 +5,6 @@
 #include <set>
 
 #include "core/map/point_grid.h"
-#include "core/update/witness.h"
 
 namespace dcloc {
 namespace {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <map>
 #include <optional>
 #include <utility>
 
@@ -138,6 +139,24 @@ void PassPlacer::Add(const Scan& scan) {
 PlacedPass PassPlacer::Finish() && {
   PlaceBeyondMap(*map_, options_.beyond_map, pass_);
   return std::move(pass_);
+}
+
+Stamp FirstGoodStamp(const PlacedPass& pass) {
+  return std::ranges::find(pass.scans, true, &PlacedScan::is_good)->stamp;
+}
+
+Witness WitnessOf(const PlacedPass& pass) {
+  const auto since = FirstGoodStamp(pass).time_since_epoch();
+  return {pass.vehicle, std::chrono::duration_cast<std::chrono::days>(since).count()};
+}
+
+std::vector<std::size_t> FirstOfWitness(std::span<const PlacedPass> passes) {
+  std::map<Witness, std::size_t> firsts;
+  std::vector<std::size_t> first_of;
+  for (std::size_t p = 0; p < passes.size(); ++p) {
+    first_of.push_back(firsts.try_emplace(WitnessOf(passes[p]), p).first->second);
+  }
+  return first_of;
 }
 
 }  // namespace dcloc

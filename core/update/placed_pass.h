@@ -3,7 +3,9 @@
 #include <Eigen/Core>
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "absl/status/status.h"
@@ -93,5 +95,16 @@ class PassPlacer {
   ScanJudge judge_;
   PlacedPass pass_;
 };
+
+/// A vehicle on a day: what passes of it say is one testimony.
+using Witness = std::pair<std::string, long>;
+
+/// When the first scan of `pass` that counts was taken. At least one does.
+Stamp FirstGoodStamp(const PlacedPass& pass);
+
+Witness WitnessOf(const PlacedPass& pass);
+
+/// Of each pass, the first one of the same witness.
+std::vector<std::size_t> FirstOfWitness(std::span<const PlacedPass> passes);
 
 }  // namespace dcloc

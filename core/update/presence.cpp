@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kStrengthCount = 24;  // of g, evenly in its logarithm
 constexpr double kMinStrength = 0.01;
 constexpr double kMaxStrength = 8.0;
-constexpr std::array<double, 3> kDayShares = {0.1, 0.3, 0.5};  // on which it is there
+constexpr std::array<double, 5> kDayShares = {0.1, 0.3, 0.5, 0.7, 0.9};  // on which it is there
 
 double LogNegativeBinomial(int hits, double mean, double shape) {
   if (mean <= 0.0) return hits == 0 ? 0.0 : -std::numeric_limits<double>::infinity();
@@ -170,14 +170,25 @@ Presence LikelihoodsOfFound(const Likelihoods& likelihoods, std::span<const Pass
 
 }  // namespace
 
+PresenceModel WithIntermittent(PresenceModel model, double share) {
+  model.known_removed *= (1.0 - share) / (1.0 - model.known_intermittent);
+  model.known_intermittent = share;
+  model.found_intermittent = share * (1.0 - model.found_never);
+  return model;
+}
+
 Presence PosteriorOfMapLandmark(std::span<const PassEvidence> passes, const PresenceModel& model) {
   return Normalized(WeighKnown(LikelihoodsOf(passes, model), passes, model));
 }
 
 Presence PosteriorOfCandidate(std::span<const PassEvidence> passes, const PresenceModel& model) {
-  Presence presence = LikelihoodsOfFound(LikelihoodsOf(passes, model), passes, model);
+  std::vector<PassEvidence> evidence(passes.begin(), passes.end());
+  double& best =
+      std::ranges::max_element(evidence, {}, &PassEvidence::position_ratio)->position_ratio;
+  best = std::min(best, 1.0);
+  Presence presence = LikelihoodsOfFound(LikelihoodsOf(evidence, model), evidence, model);
   // What no pass hits is no candidate: each history counts as far as it makes one.
-  std::vector<PassEvidence> unhit(passes.begin(), passes.end());
+  std::vector<PassEvidence> unhit = evidence;
   for (PassEvidence& pass : unhit) pass.hits = 0;
   const Likelihoods of_unhit = LikelihoodsOf(unhit, model);
   const double scale = std::exp(of_unhit.log_scale);

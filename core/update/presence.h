@@ -36,6 +36,9 @@ struct PresenceModel {
   double found_never = 0.3;
 };
 
+/// `model` where `share` of what is real comes and goes.
+PresenceModel WithIntermittent(PresenceModel model, double share);
+
 /// The probabilities of what a landmark is; their sum is 1.
 struct Presence {
   double stays = 0.0;    ///< was there when the base map was made, and is
@@ -49,7 +52,8 @@ struct Presence {
 /// Of a landmark of the base map.
 Presence PosteriorOfMapLandmark(std::span<const PassEvidence> passes, const PresenceModel& model);
 
-/// Of a candidate: a place that the base map has not, and that some pass has hits of.
+/// Of a candidate: a place that the base map has not, and that some pass has hits of. The best
+/// sighting says where it is, and so nothing of whether the others are of the same.
 Presence PosteriorOfCandidate(std::span<const PassEvidence> passes, const PresenceModel& model);
 
 /// The logarithm of how likely the hits of a landmark of the base map are, whatever became of it.

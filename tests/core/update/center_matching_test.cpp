@@ -35,5 +35,15 @@ TEST(MatchCentersTest, HowFarTheyMayLieApartIsWhatIsKnownOfBoth) {
   EXPECT_EQ(CentersOf({{At(0.0, 0.0, 2.0)}}, {{At(0.85, 0.0, 2.0)}})[0], kNoCenter);
 }
 
+TEST(MatchCentersTest, AmongManyCentersOneLiesNearByChance) {
+  const std::vector<LandmarkPosition> landmarks = {At(0.0, 0.0)};
+  const std::vector<LandmarkPosition> alone = {At(0.0, 0.0)};
+  const std::vector<LandmarkPosition> among_others = {At(0.0, 0.0), At(0.3, 0.0), At(-0.2, 0.2)};
+  const double gate = CenterMatchingOptions{}.gate;
+  EXPECT_NEAR(MatchCenters(landmarks, alone)[0].position_ratio, 0.5 * gate, 1e-9);
+  EXPECT_LT(MatchCenters(landmarks, among_others)[0].position_ratio, 0.3 * gate);
+  EXPECT_EQ(MatchCenters(landmarks, {})[0].position_ratio, 1.0);
+}
+
 }  // namespace
 }  // namespace dcloc

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <random>
 
 #include "core/update/version_score.h"
 #include "tests/core/update/street_fixture.h"
@@ -98,6 +100,51 @@ TEST(MapUpdateTest, WhatOnlyOneDaySawDoesNotCome) {
   const auto update = UpdateMap(street.Map(0), passes);
   ASSERT_TRUE(update.ok()) << update.status();
   EXPECT_GT(NearestLandmark_m(update->map, car_m), 1.0);
+}
+
+/// `street` with vehicles at the kerb, in about every other slot, other ones each day.
+TestStreet WithParked(TestStreet street, int day) {
+  std::mt19937 random(static_cast<std::uint32_t>(day));
+  std::uniform_real_distribution<double> chance;
+  for (int slot = 0; 6.0 * slot < TestStreet::kLength_m; ++slot) {
+    const bool is_taken = chance(random) < 0.6;
+    const double along_m = 6.0 * slot + 0.5 * (chance(random) - 0.5);
+    if (is_taken) street.scatterers_m.emplace_back(along_m, 3.0);
+  }
+  return street;
+}
+
+std::ptrdiff_t CountInRow(const EditableMap& map, double offset_m) {
+  return std::ranges::count_if(LandmarksOf(map), [&](const PlacedLandmark& landmark) {
+    const double y_m = landmark.position.position_m.y() + map.Origin_m().y();
+    return std::abs(y_m - offset_m) < 0.8;
+  });
+}
+
+TEST(MapUpdateTest, WhereVehiclesParkLittleStaysInTheMap) {
+  const TestStreet street;
+  const EditableMap base = WithParked(street, 0).Map(0);
+  const std::vector<PlacedPass> passes = {WithParked(street, 1).Pass(1, "a"),
+                                          WithParked(street, 2).Pass(2, "b"),
+                                          WithParked(street, 3).Pass(3, "c")};
+  const auto update = UpdateMap(base, passes);
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_GT(CountInRow(base, 3.0), 12);
+  EXPECT_LT(CountInRow(update->map, 3.0), CountInRow(base, 3.0) / 2);
+  EXPECT_EQ(CountInRow(update->map, 6.0), CountInRow(base, 6.0));
+  EXPECT_EQ(CountInRow(update->map, -7.0), CountInRow(base, -7.0));
+}
+
+TEST(MapUpdateTest, AVehicleThatMissesARowDoesNotTakeItOut) {
+  const TestStreet street;
+  const EditableMap base = street.Map(0);
+  TestStreet blind = street;
+  std::erase_if(blind.scatterers_m, [](const Eigen::Vector2d& p_m) { return p_m.y() > 0.0; });
+  const std::vector<PlacedPass> passes = {street.Pass(1, "a"), street.Pass(2, "b"),
+                                          blind.Pass(3, "c")};
+  const auto update = UpdateMap(base, passes);
+  ASSERT_TRUE(update.ok()) << update.status();
+  EXPECT_EQ(CountInRow(update->map, 6.0), CountInRow(base, 6.0));
 }
 
 TEST(MapUpdateTest, OneVehicleOnOneDayChangesNothing) {

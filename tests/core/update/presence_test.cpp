@@ -69,6 +69,26 @@ TEST(PresenceTest, WhatIsSeenFromSomePassOnCame) {
   EXPECT_EQ(PosteriorOfCandidate(Passes(8.0, {0, 9, 6, 8}), {}).since, 1U);
 }
 
+TEST(PresenceTest, WhereACandidateIsItsBestSightingSays) {
+  std::vector<PassEvidence> passes = Passes(8.0, {7, 9, 6}, 30.0, 1.0, 0.8);
+  const double before = PosteriorOfCandidate(passes, {}).added;
+  passes[1].position_ratio = 1.0;
+  const double apart = PosteriorOfCandidate(passes, {}).added;
+  EXPECT_GT(apart, before);
+  passes[1].position_ratio = 4.0;
+  EXPECT_NEAR(PosteriorOfCandidate(passes, {}).added, apart, 1e-12);
+  // A second one that lies there speaks for it.
+  passes[2].position_ratio = 4.0;
+  EXPECT_GT(PosteriorOfCandidate(passes, {}).added, apart);
+}
+
+TEST(PresenceTest, WhatIsSeenTwiceIsWhatIsExpectedThere) {
+  const std::vector<PassEvidence> passes = Passes(15.0, {12, 0, 14}, 30.0, 1.0, 1.0);
+  const PresenceModel model;
+  EXPECT_GT(PosteriorOfMapLandmark(passes, WithIntermittent(model, 0.9)).intermittent, 0.9);
+  EXPECT_LT(PosteriorOfMapLandmark(passes, WithIntermittent(model, 0.01)).intermittent, 0.5);
+}
+
 TEST(PresenceTest, OneSightingIsNotProof) {
   EXPECT_LT(PosteriorOfCandidate(Passes(8.0, {9, 0, 0}), {}).added, 0.1);
 }

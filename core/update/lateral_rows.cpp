@@ -1,0 +1,101 @@
+#include "core/update/lateral_rows.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace dcloc {
+namespace {
+
+constexpr double kRow_m = 0.25;
+constexpr double kSegment_m = 100.0;
+// How far rows tell of one another, to the side and along the way.
+constexpr double kOffsetSigma_m = 0.4;
+constexpr double kAlongSigma_m = 200.0;
+constexpr int kRowsBeside = 4;
+constexpr int kSegmentsBeside = 4;
+// Without votes a twentieth comes and goes, as if two had voted.
+constexpr double kPriorVotes = 2.0;
+constexpr double kPriorShare = 0.05;
+
+double Weight(double distance_m, double sigma_m) {
+  return std::exp(-0.5 * distance_m * distance_m / (sigma_m * sigma_m));
+}
+
+std::vector<int> Segments(std::span<const Pose3> T_local_keyframes) {
+  std::vector<int> segments;
+  double at_m = 0.0;
+  const Pose3* last = &T_local_keyframes.front();
+  for (const Pose3& T_local_keyframe : T_local_keyframes) {
+    at_m += (T_local_keyframe.translation_m - last->translation_m).head<2>().norm();
+    segments.push_back(static_cast<int>(at_m / kSegment_m));
+    last = &T_local_keyframe;
+  }
+  return segments;
+}
+
+/// How far to the left of the way `place_m` lies at a keyframe.
+double Offset_m(const Pose3& T_local_keyframe, const Eigen::Vector2d& place_m) {
+  const Eigen::Vector2d ahead = (T_local_keyframe.rotation * Eigen::Vector3d::UnitX()).head<2>();
+  const Eigen::Vector2d there_m = place_m - T_local_keyframe.translation_m.head<2>();
+  return (ahead.x() * there_m.y() - ahead.y() * there_m.x()) / ahead.norm();
+}
+
+}  // namespace
+
+LateralRows::LateralRows(std::span<const Pose3> T_local_keyframes,
+                         std::span<const Eigen::Vector2d> places_m) {
+  const std::vector<int> segments = Segments(T_local_keyframes);
+  for (const Eigen::Vector2d& place_m : places_m) {
+    const auto nearest = std::ranges::min_element(T_local_keyframes, {}, [&](const Pose3& T) {
+      return (place_m - T.translation_m.head<2>()).squaredNorm();
+    });
+    const auto keyframe = static_cast<std::size_t>(nearest - T_local_keyframes.begin());
+    const double offset_m = Offset_m(*nearest, place_m);
+    row_of_.push_back({segments[keyframe], static_cast<int>(std::floor(offset_m / kRow_m))});
+  }
+}
+
+void LateralRows::Tally::Add(double weight, const RowVote& vote) {
+  intermittent += weight * vote.intermittent;
+  lasts += weight * vote.lasts;
+  if (vote.only_witness) intermittent_by[*vote.only_witness] += weight * vote.intermittent;
+}
+
+void LateralRows::Tally::Add(double weight, const Tally& other) {
+  intermittent += weight * other.intermittent;
+  lasts += weight * other.lasts;
+  for (const auto& [witness, votes] : other.intermittent_by) {
+    intermittent_by[witness] += weight * votes;
+  }
+}
+
+double LateralRows::Tally::Share() const {
+  double most = 0.0;
+  for (const auto& [witness, votes] : intermittent_by) most = std::max(most, votes);
+  const double witnessed = std::max(0.0, intermittent - most);
+  return (kPriorVotes * kPriorShare + witnessed) / (kPriorVotes + witnessed + lasts);
+}
+
+std::vector<double> LateralRows::IntermittentShares(std::span<const RowVote> votes) const {
+  std::map<Row, Tally> rows;
+  for (std::size_t i = 0; i < votes.size(); ++i) rows[row_of_[i]].Add(1.0, votes[i]);
+  std::vector<double> shares;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    Tally around;
+    around.Add(-1.0, votes[i]);
+    for (int segment = -kSegmentsBeside; segment <= kSegmentsBeside; ++segment) {
+      for (int offset = -kRowsBeside; offset <= kRowsBeside; ++offset) {
+        const auto row = rows.find({row_of_[i].segment + segment, row_of_[i].offset + offset});
+        if (row == rows.end()) continue;
+        const double weight =
+            Weight(segment * kSegment_m, kAlongSigma_m) * Weight(offset * kRow_m, kOffsetSigma_m);
+        around.Add(weight, row->second);
+      }
+    }
+    shares.push_back(around.Share());
+  }
+  return shares;
+}
+
+}  // namespace dcloc
