@@ -39,11 +39,12 @@ bool LeaveOutRefused(const EditableMap& judged, const UpdateEvaluation& evaluati
 
 }  // namespace
 
-absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version,
-                                           const EditableMap& new_version, const Rig& rig,
-                                           const std::vector<Scan>& scans,
+absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version, const MapUpdate& update,
+                                           const Rig& rig, const std::vector<Scan>& scans,
                                            const UpdateGateOptions& options) {
-  auto evaluation = EvaluateUpdate(old_version, new_version, rig, scans, options);
+  const EditableMap& new_version = update.map;
+  const std::vector<Eigen::Vector2d> intermittent_m = IntermittentPlaces(update);
+  auto evaluation = EvaluateUpdate(old_version, new_version, rig, scans, intermittent_m, options);
   if (!evaluation.ok()) return evaluation.status();
   const std::size_t old_count = old_version.keyframes.size();
   JudgedVersion version{.map = new_version,
@@ -54,7 +55,7 @@ absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version,
   std::fill_n(version.is_kept.begin(), old_count, false);
   for (int round = 0; round < kMaxRounds; ++round) {
     version.map = WithNewStreets(old_version, new_version, version.is_kept);
-    evaluation = EvaluateUpdate(old_version, version.map, rig, scans, options);
+    evaluation = EvaluateUpdate(old_version, version.map, rig, scans, intermittent_m, options);
     if (!evaluation.ok()) return evaluation.status();
     version.evaluation = *std::move(evaluation);
     if (version.evaluation.is_better) break;
@@ -63,6 +64,17 @@ absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version,
     }
   }
   return version;
+}
+
+std::vector<Eigen::Vector2d> IntermittentPlaces(const MapUpdate& update) {
+  std::vector<Eigen::Vector2d> places_m;
+  for (const auto* const landmarks : {&update.known, &update.found}) {
+    for (const LandmarkHistory& landmark : *landmarks) {
+      if (landmark.fate != LandmarkFate::kIntermittent) continue;
+      places_m.push_back((landmark.p_map_m - update.map.Origin_m()).head<2>());
+    }
+  }
+  return places_m;
 }
 
 }  // namespace dcloc

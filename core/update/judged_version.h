@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
 #include <vector>
 
@@ -7,6 +8,7 @@
 #include "core/map/editable_map.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
+#include "core/update/map_update.h"
 #include "core/update/update_gate.h"
 
 namespace dcloc {
@@ -21,11 +23,13 @@ struct JudgedVersion {
 
 /// Evaluates a new version (`EvaluateUpdate`). One that is refused and has new streets is evaluated
 /// again with these alone: all that the old version has stays as it was, and new streets that are
-/// refused are left out. `new_version` has the old version's keyframes, and those of new streets
+/// refused are left out. The update's map has the old version's keyframes, and those of new streets
 /// after them. Errors are those of `EvaluateUpdate`.
-absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version,
-                                           const EditableMap& new_version, const Rig& rig,
-                                           const std::vector<Scan>& scans,
+absl::StatusOr<JudgedVersion> JudgeVersion(const EditableMap& old_version, const MapUpdate& update,
+                                           const Rig& rig, const std::vector<Scan>& scans,
                                            const UpdateGateOptions& options = {});
+
+/// Where an update found that things come and go, relative to the map's local origin.
+std::vector<Eigen::Vector2d> IntermittentPlaces(const MapUpdate& update);
 
 }  // namespace dcloc

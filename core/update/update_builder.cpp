@@ -47,7 +47,7 @@ class UpdateBuilder {
       for (PlacedScan& scan : pass.scans) scan.points = {};
     }
     if (status = Tell("judging the new version", 0.0); !status.ok()) return status;
-    auto judged = JudgeVersion(base_, result_.update.map, held_out_rig_, held_out_scans_);
+    auto judged = JudgeVersion(base_, result_.update, held_out_rig_, held_out_scans_);
     if (!judged.ok()) return Named(result_.held_out, judged.status());
     Take(*std::move(judged));
     return std::move(result_);

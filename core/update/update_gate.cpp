@@ -1,6 +1,8 @@
 #include "core/update/update_gate.h"
 
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -44,7 +46,7 @@ constexpr std::size_t kErrorBlock = 24;
 struct SegmentSum {
   ScoreSum old_version, new_version;
   BlockMean error_change_m{kErrorBlock};
-  SeenCount common, removed, added;
+  SeenCount common, removed, added, intermittent;
   std::size_t scan_count = 0;
 };
 
@@ -57,9 +59,11 @@ SegmentEvaluation EvaluationOf(const SegmentSum& sum) {
           .agreed_count = sum.common.all,
           .removed_count = sum.removed.all,
           .added_count = sum.added.all,
+          .intermittent_count = sum.intermittent.all,
           .agreed_seen = sum.common.Share(),
           .removed_seen = sum.removed.Share(),
           .added_seen = sum.added.Share(),
+          .intermittent_seen = sum.intermittent.Share(),
           .error_change_m = sum.error_change_m.mean(),
           .error_change_sigma_m = sum.error_change_m.sigma(),
           .old_version = sum.old_version.Score(),
@@ -81,6 +85,27 @@ std::string FaultOfNew(const SegmentEvaluation& segment, double agreed_seen,
                            100.0 * segment.added_seen, 100.0 * agreed_seen);
   }
   return "";
+}
+
+/// Of so many landmarks the pass saw this share.
+struct SeenShare {
+  double share = 0.0;
+  std::size_t count = 0;
+
+  double Variance() const {
+    return share * (1.0 - share) / std::max(1.0, static_cast<double>(count));
+  }
+};
+
+/// By how many standard errors a share exceeds `factor` times that of what stays.
+double SigmasAbove(const SeenShare& seen, double factor, const SeenShare& agreed) {
+  const double variance = seen.Variance() + factor * factor * agreed.Variance();
+  return (seen.share - factor * agreed.share) / std::sqrt(std::max(variance, 1e-9));
+}
+
+std::string Seen(const char* what, const SeenShare& seen, const SeenShare& agreed) {
+  return absl::StrFormat("%.0f %% of what %s was seen, of what stays %.0f %%", 100.0 * seen.share,
+                         what, 100.0 * agreed.share);
 }
 
 std::string FaultOf(const SegmentEvaluation& segment, double error_share, double error_margin_m,
@@ -111,15 +136,21 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
   if (after.nees > options.nees_factor * before.nees + options.nees_margin) {
     return absl::StrFormat("NEES %.2f, before %.2f", after.nees, before.nees);
   }
+  const SeenShare agreed{segment.agreed_seen, segment.agreed_count};
+  const SeenShare added{segment.added_seen, segment.added_count};
   if (segment.added_count >= min_count &&
-      segment.added_seen < options.min_seen_share * segment.agreed_seen) {
-    return absl::StrFormat("%.0f %% of what came was seen, of what stays %.0f %%",
-                           100.0 * segment.added_seen, 100.0 * segment.agreed_seen);
+      SigmasAbove(added, options.min_seen_share, agreed) < -options.seen_sigmas) {
+    return Seen("came", added, agreed);
   }
+  const SeenShare removed{segment.removed_seen, segment.removed_count};
   if (segment.removed_count >= min_count &&
-      segment.removed_seen > options.max_went_seen_share * segment.agreed_seen) {
-    return absl::StrFormat("%.0f %% of what went was seen, of what stays %.0f %%",
-                           100.0 * segment.removed_seen, 100.0 * segment.agreed_seen);
+      SigmasAbove(removed, options.max_went_seen_share, agreed) > options.seen_sigmas) {
+    return Seen("went", removed, agreed);
+  }
+  const SeenShare intermittent{segment.intermittent_seen, segment.intermittent_count};
+  if (segment.intermittent_count >= min_count &&
+      SigmasAbove(intermittent, options.max_went_seen_share, agreed) > options.seen_sigmas) {
+    return Seen("comes and goes", intermittent, agreed);
   }
   return "";
 }
@@ -128,14 +159,17 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
 class UpdateEvaluator {
  public:
   UpdateEvaluator(const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
-                  const std::vector<Scan>& scans, const UpdateGateOptions& options)
+                  const std::vector<Scan>& scans,
+                  const std::vector<Eigen::Vector2d>& intermittent_local_m,
+                  const UpdateGateOptions& options)
       : rig_(rig),
         scans_(scans),
         options_(options),
         origin_m_(old_version.Origin_m()),
         old_version_{old_version, LandmarksOf(old_version)},
         new_version_{new_version, LandmarksOf(new_version)},
-        comparison_(CompareVersions(old_version, new_version, options.same_m)),
+        intermittent_(intermittent_local_m),
+        comparison_(CompareVersions(old_version, new_version, options.same_m, intermittent_)),
         segments_(new_version, options.segment_m),
         sums_(segments_.count()) {}
 
@@ -179,6 +213,16 @@ class UpdateEvaluator {
     return {T_map_vehicle.translation_m - origin_m_.head<2>(), T_map_vehicle.yaw_rad};
   }
 
+  std::vector<RadarPoint> Judged(std::span<const RadarPoint> points,
+                                 const Pose2& T_local_vehicle) const {
+    std::vector<RadarPoint> judged;
+    std::ranges::copy_if(points, std::back_inserter(judged), [&](const RadarPoint& point) {
+      const Eigen::Vector2d p_vehicle = point.position_m.head<2>();
+      return !intermittent_.HasNear(T_local_vehicle * p_vehicle, options_.intermittent_m);
+    });
+    return judged;
+  }
+
   void Score() {
     const FitScorer old_fit(old_version_.landmarks);
     const FitScorer new_fit(new_version_.landmarks);
@@ -200,8 +244,9 @@ class UpdateEvaluator {
                                   ErrorOf(old_version_.replay[i], T_map_consensus));
         }
         if (k % kFitStride != 0) continue;
-        sum->old_version.AddFit(old_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
-        sum->new_version.AddFit(new_fit.Sum(scan.points, T_local_vehicle), scan.points.size());
+        const std::vector<RadarPoint> points = Judged(scan.points, T_local_vehicle);
+        sum->old_version.AddFit(old_fit.Sum(points, T_local_vehicle), points.size());
+        sum->new_version.AddFit(new_fit.Sum(points, T_local_vehicle), points.size());
       }
     }
     AddUntracked();
@@ -239,13 +284,15 @@ class UpdateEvaluator {
       const std::vector<CenterMatch> center_of = MatchCenters(positions, centers);
       for (std::size_t i = 0; i < landmarks.size(); ++i) {
         const SeenCount one{1, center_of[i].center == kNoCenter ? 0UL : 1UL};
-        (sums_[segments_.At(positions[i].position_m)].*member).Add(one);
         (whole_.*member).Add(one);
+        if (member == &SegmentSum::intermittent) continue;
+        (sums_[segments_.At(positions[i].position_m)].*member).Add(one);
       }
     };
     count(comparison_.common, &SegmentSum::common);
     count(comparison_.removed, &SegmentSum::removed);
     count(comparison_.added, &SegmentSum::added);
+    count(comparison_.intermittent, &SegmentSum::intermittent);
   }
 
   UpdateEvaluation Evaluation() const {
@@ -281,7 +328,8 @@ class UpdateEvaluator {
   static std::string Reason(const SegmentEvaluation& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
     if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
-    if (whole.added_count + whole.removed_count == 0) return "nothing has changed";
+    if (whole.added_count + whole.removed_count + whole.intermittent_count == 0)
+      return "nothing has changed";
     if (whole.added_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
       return absl::StrFormat("no better: fit %.4f, before %.4f", whole.new_version.fit,
                              whole.old_version.fit);
@@ -294,6 +342,7 @@ class UpdateEvaluator {
   const UpdateGateOptions& options_;
   Eigen::Vector3d origin_m_;
   Version old_version_, new_version_;
+  PlaceSet intermittent_;
   VersionComparison comparison_;
   StreetSegments segments_;
   HeldOutPass held_out_;
@@ -303,14 +352,14 @@ class UpdateEvaluator {
 
 }  // namespace
 
-absl::StatusOr<UpdateEvaluation> EvaluateUpdate(const EditableMap& old_version,
-                                                const EditableMap& new_version, const Rig& rig,
-                                                const std::vector<Scan>& scans,
-                                                const UpdateGateOptions& options) {
+absl::StatusOr<UpdateEvaluation> EvaluateUpdate(
+    const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
+    const std::vector<Scan>& scans, const std::vector<Eigen::Vector2d>& intermittent_local_m,
+    const UpdateGateOptions& options) {
   if (old_version.keyframes.empty() || scans.empty()) {
     return absl::InvalidArgumentError("the old version has no keyframe, or the pass no scan");
   }
-  return UpdateEvaluator(old_version, new_version, rig, scans, options).Run();
+  return UpdateEvaluator(old_version, new_version, rig, scans, intermittent_local_m, options).Run();
 }
 
 }  // namespace dcloc

@@ -30,9 +30,11 @@ struct UpdateGateOptions {
   double nees_margin = 0.7;
   double min_agreed_share = 0.4;  ///< of a segment's landmarks, that both versions have
   double min_seen_share = 0.5;    ///< of new landmarks seen, against that of agreed ones
-  /// Likewise, at most, of landmarks that went. What comes and goes is there on up to half of the
-  /// days, and other vehicles park where one did; what was taken by mistake is seen as any other.
+  /// Likewise, at most, of landmarks that went or come and go: what was taken by mistake is seen as
+  /// any other.
   double max_went_seen_share = 0.75;
+  double seen_sigmas = 2.0;     ///< standard errors that make such a difference sure
+  double intermittent_m = 0.8;  ///< what lies so near to a place that comes and goes is not judged
   // In a segment that only the new version has: how far odometry may have it elsewhere, and the
   // error.
   double max_new_offset_m = 2.0;
@@ -48,9 +50,11 @@ struct SegmentEvaluation {
   std::size_t agreed_count = 0;  ///< landmarks that both versions have
   std::size_t removed_count = 0;
   std::size_t added_count = 0;
-  double agreed_seen = 0.0;  ///< share of the agreed landmarks that the pass saw
+  std::size_t intermittent_count = 0;  ///< removed, too, as they come and go; of the whole only
+  double agreed_seen = 0.0;            ///< share of the agreed landmarks that the pass saw
   double removed_seen = 0.0;
   double added_seen = 0.0;
+  double intermittent_seen = 0.0;
   /// By how much the new version errs more than the old one, in the mean of the scans that both
   /// track, and its standard error.
   double error_change_m = 0.0;
@@ -78,11 +82,15 @@ struct UpdateEvaluation {
 /// more accurate. In streets that only the new version has it must lie where odometry has them, and
 /// show what the pass saw; those that the pass did not drive are not judged.
 ///
+/// Where things come and go, at `intermittent_local_m`, no version is judged by what it has: the
+/// old one may have vehicles that parked, and others park there now. But they must be seen less
+/// often than what stays.
+///
 /// The versions share a frame and an origin. InvalidArgument names what is wrong with the rig;
 /// FailedPrecondition where the pass was not localized in both.
-absl::StatusOr<UpdateEvaluation> EvaluateUpdate(const EditableMap& old_version,
-                                                const EditableMap& new_version, const Rig& rig,
-                                                const std::vector<Scan>& scans,
-                                                const UpdateGateOptions& options = {});
+absl::StatusOr<UpdateEvaluation> EvaluateUpdate(
+    const EditableMap& old_version, const EditableMap& new_version, const Rig& rig,
+    const std::vector<Scan>& scans, const std::vector<Eigen::Vector2d>& intermittent_local_m,
+    const UpdateGateOptions& options = {});
 
 }  // namespace dcloc

@@ -132,7 +132,7 @@ void Run(const Arguments& arguments) {
     Print("anew", LocalizeBeyond(MadeAnew(town), *base, town.held_out));
     std::vector<Scan> scans;
     for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
-    const auto judged = JudgeVersion(before, update.map, town.held_out.rig, scans).value();
+    const auto judged = JudgeVersion(before, update, town.held_out.rig, scans).value();
     std::printf("  gate: %s, %s%s\n", judged.evaluation.is_better ? "passed" : "refused",
                 judged.evaluation.reason.c_str(),
                 judged.has_only_new_streets ? "; only new streets" : "");

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/datasets/drive_map.h"
+#include "core/update/judged_version.h"
 #include "core/update/map_update.h"
 #include "core/update/update_gate.h"
 #include "tests/benchmarks/ageing_town.h"
@@ -68,10 +69,12 @@ EditableMap WronglyMounted(const std::shared_ptr<const RadarMap>& base, Town tow
 }
 
 void Judge(std::uint64_t seed, const Candidate& candidate, const EditableMap& base, double old_m,
-           const Town& town, const std::vector<Scan>& scans) {
+           const Town& town, const std::vector<Scan>& scans,
+           const std::vector<Eigen::Vector2d>& intermittent_m) {
   const double new_m =
       MedianError_m(RadarMap::FromBytes(ToMapBytes(candidate.map).value()).value(), town.held_out);
-  const auto evaluation = EvaluateUpdate(base, candidate.map, town.held_out.rig, scans);
+  const auto evaluation =
+      EvaluateUpdate(base, candidate.map, town.held_out.rig, scans, intermittent_m);
   if (!evaluation.ok()) {
     std::printf("%-5lu %-10s %7.4f %7.4f  refused: %s\n", static_cast<unsigned long>(seed),
                 candidate.name.c_str(), old_m, new_m, evaluation.status().ToString().c_str());
@@ -94,7 +97,9 @@ void Run(std::uint64_t first_seed, std::uint64_t last_seed) {
         RadarMap::FromBytes(BuildMap(town.base.drive, {.name = "base"}).value()).value();
     const EditableMap base = ToEditable(*map);
     const std::vector<PlacedPass> passes = PlacePasses(map, town);
-    const EditableMap updated = UpdateMap(base, passes).value().map;
+    const MapUpdate update = UpdateMap(base, passes).value();
+    const EditableMap& updated = update.map;
+    const std::vector<Eigen::Vector2d> intermittent_m = IntermittentPlaces(update);
     std::vector<Scan> scans;
     for (const DriveScan& entry : town.held_out.scans) scans.push_back(entry.scan);
     const double old_m = MedianError_m(map, town.held_out);
@@ -103,7 +108,7 @@ void Run(std::uint64_t first_seed, std::uint64_t last_seed) {
           Candidate{"thinned", Thinned(updated)},
           Candidate{"displaced", Displaced(base, passes, 0.25)},
           Candidate{"mounts", WronglyMounted(map, town)}}) {
-      Judge(seed, candidate, base, old_m, town, scans);
+      Judge(seed, candidate, base, old_m, town, scans, intermittent_m);
     }
   }
 }

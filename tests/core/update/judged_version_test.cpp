@@ -40,7 +40,7 @@ class JudgedVersionTest : public ::testing::Test {
   }
 
   JudgedVersion Judged(const EditableMap& new_version) const {
-    auto version = JudgeVersion(old_, new_version, rig_, scans_);
+    auto version = JudgeVersion(old_, {.map = new_version}, rig_, scans_);
     EXPECT_TRUE(version.ok()) << version.status();
     return *std::move(version);
   }

@@ -5,6 +5,7 @@
 
 #include "client/datasets/drive_map.h"
 #include "client/simulation/simulation.h"
+#include "core/update/version_comparison.h"
 
 namespace dcloc {
 namespace {
@@ -28,10 +29,11 @@ class UpdateGateTest : public ::testing::Test {
     delete map_;
   }
 
-  static UpdateEvaluation Evaluated(const EditableMap& before, const EditableMap& after) {
+  static UpdateEvaluation Evaluated(const EditableMap& before, const EditableMap& after,
+                                    const std::vector<Eigen::Vector2d>& intermittent_local_m = {}) {
     std::vector<Scan> scans;
     for (const DriveScan& entry : drive_->scans) scans.push_back(entry.scan);
-    const auto evaluation = EvaluateUpdate(before, after, drive_->rig, scans);
+    const auto evaluation = EvaluateUpdate(before, after, drive_->rig, scans, intermittent_local_m);
     EXPECT_TRUE(evaluation.ok()) << evaluation.status();
     return evaluation.ok() ? *evaluation : UpdateEvaluation{};
   }
@@ -95,6 +97,34 @@ TEST_F(UpdateGateTest, LandmarksThatAllLieToOneSideMakeItWorse) {
   EXPECT_GT(evaluation.whole.new_version.offset_m, 0.08);
 }
 
+TEST_F(UpdateGateTest, WhatIsSaidToComeAndGoMustBeSeenLessThanWhatStays) {
+  const EditableMap thinned = Thinned(10, 0);
+  std::vector<Eigen::Vector2d> gone_m;
+  for (const PlacedLandmark& landmark :
+       CompareVersions(*map_, thinned, 0.5, PlaceSet({})).removed) {
+    gone_m.push_back(landmark.position.position_m);
+  }
+  const UpdateEvaluation evaluation = Evaluated(*map_, thinned, gone_m);
+  EXPECT_FALSE(evaluation.is_better);
+  EXPECT_THAT(evaluation.reason, HasSubstr("of what comes and goes was seen"));
+}
+
+TEST_F(UpdateGateTest, WhatComesAndGoesMayGo) {
+  EditableMap parked = *map_;
+  std::vector<Eigen::Vector2d> parked_m;
+  for (EditableKeyframe& keyframe : parked.keyframes) {
+    MapPoint vehicle = keyframe.points.front();
+    vehicle.x_m += 1.3F;
+    vehicle.y_m -= 0.9F;
+    keyframe.points.push_back(vehicle);
+    parked_m.push_back((PoseOf(keyframe.record) * PositionOf(vehicle)).head<2>());
+  }
+  const UpdateEvaluation evaluation = Evaluated(parked, *map_, parked_m);
+  EXPECT_TRUE(evaluation.is_better) << evaluation.reason;
+  EXPECT_GT(evaluation.whole.intermittent_count, 12U);
+  EXPECT_EQ(evaluation.whole.removed_count, 0U);
+}
+
 TEST_F(UpdateGateTest, LandmarksOfNothingMakeItNoBetter) {
   EditableMap haunted = *map_;
   for (EditableKeyframe& keyframe : haunted.keyframes) {
@@ -116,7 +146,7 @@ TEST_F(UpdateGateTest, RefusesAPassThatIsNotInTheMap) {
   const Drive other = SimulatePass(options, Passes(options)[1]).value();
   std::vector<Scan> scans;
   for (const DriveScan& entry : other.scans) scans.push_back(entry.scan);
-  EXPECT_FALSE(EvaluateUpdate(*map_, Thinned(4, 0), other.rig, scans).ok());
+  EXPECT_FALSE(EvaluateUpdate(*map_, Thinned(4, 0), other.rig, scans, {}).ok());
 }
 
 }  // namespace
