@@ -108,7 +108,14 @@ std::string Seen(const char* what, const SeenShare& seen, const SeenShare& agree
                          what, 100.0 * agreed.share);
 }
 
-std::string FaultOf(const SegmentEvaluation& segment, double error_share, double error_margin_m,
+/// By how much the new version may do worse as a whole, or in one segment.
+struct Margins {
+  double error_share = 0.0;
+  double error_m = 0.0;
+  double tracking = 0.0;
+};
+
+std::string FaultOf(const SegmentEvaluation& segment, const Margins& margins,
                     const UpdateGateOptions& options) {
   const VersionScore& before = segment.old_version;
   const VersionScore& after = segment.new_version;
@@ -117,12 +124,12 @@ std::string FaultOf(const SegmentEvaluation& segment, double error_share, double
   if (static_cast<double>(segment.agreed_count) < options.min_agreed_share * old_count) {
     return absl::StrFormat("only %d of %.0f landmarks are left", segment.agreed_count, old_count);
   }
-  if (after.tracking_share < before.tracking_share - options.tracking_margin) {
+  if (after.tracking_share < before.tracking_share - margins.tracking) {
     return absl::StrFormat("tracks %.1f %% of the scans, before %.1f %%",
                            100.0 * after.tracking_share, 100.0 * before.tracking_share);
   }
   if (segment.error_change_m - options.error_sigmas * segment.error_change_sigma_m >
-      error_share * before.error_m + error_margin_m) {
+      margins.error_share * before.error_m + margins.error_m) {
     return absl::StrFormat("errors are larger by %.3f m, sigma %.3f m; before %.3f m",
                            segment.error_change_m, segment.error_change_sigma_m, before.error_m);
   }
@@ -298,8 +305,9 @@ class UpdateEvaluator {
   UpdateEvaluation Evaluation() const {
     UpdateEvaluation evaluation;
     evaluation.whole = EvaluationOf(whole_);
-    evaluation.whole.fault =
-        FaultOf(evaluation.whole, options_.error_share, options_.error_margin_m, options_);
+    evaluation.whole.fault = FaultOf(
+        evaluation.whole, {options_.error_share, options_.error_margin_m, options_.tracking_margin},
+        options_);
     std::string fault;
     for (std::size_t i = 0; i < sums_.size(); ++i) {
       SegmentEvaluation segment = EvaluationOf(sums_[i]);
@@ -307,9 +315,12 @@ class UpdateEvaluator {
       segment.p_map_m += origin_m_;
       if (segment.scan_count >= static_cast<std::size_t>(options_.min_scan_count)) {
         const bool is_new = segment.agreed_count + segment.removed_count == 0;
-        segment.fault = is_new ? FaultOfNew(segment, evaluation.whole.agreed_seen, options_)
-                               : FaultOf(segment, options_.segment_error_share,
-                                         options_.segment_error_margin_m, options_);
+        segment.fault =
+            is_new ? FaultOfNew(segment, evaluation.whole.agreed_seen, options_)
+                   : FaultOf(segment,
+                             {options_.segment_error_share, options_.segment_error_margin_m,
+                              options_.segment_tracking_margin},
+                             options_);
       }
       if (fault.empty() && !segment.fault.empty()) {
         fault = absl::StrFormat("at (%.0f, %.0f) m: %s", segment.p_map_m.x(), segment.p_map_m.y(),

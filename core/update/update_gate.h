@@ -22,7 +22,8 @@ struct UpdateGateOptions {
   double error_margin_m = 0.002;
   double segment_error_share = 0.3;  ///< likewise in one segment
   double segment_error_margin_m = 0.015;
-  double error_sigmas = 2.0;      ///< standard errors of the difference that make it sure
+  double segment_tracking_margin = 0.05;  ///< half a second of dead reckoning in 100 m
+  double error_sigmas = 2.0;              ///< standard errors of the difference that make it sure
   double max_offset_m = 0.06;     ///< by which the new version's landmarks may lie to one side
   double tracking_margin = 0.02;  ///< share of scans that the new version may track less
   double fit_margin = 0.01;       ///< that the new version may fit less
