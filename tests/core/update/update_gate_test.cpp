@@ -113,6 +113,7 @@ TEST_F(UpdateGateTest, WhatComesAndGoesMayGo) {
   EditableMap parked = *map_;
   std::vector<Eigen::Vector2d> parked_m;
   for (EditableKeyframe& keyframe : parked.keyframes) {
+    if (keyframe.points.empty()) continue;
     MapPoint vehicle = keyframe.points.front();
     vehicle.x_m += 1.3F;
     vehicle.y_m -= 0.9F;
