@@ -52,7 +52,7 @@ LateralRows::LateralRows(std::span<const Pose3> T_local_keyframes,
     });
     const auto keyframe = static_cast<std::size_t>(nearest - T_local_keyframes.begin());
     const double offset_m = Offset_m(*nearest, place_m);
-    row_of_.push_back({segments[keyframe], static_cast<int>(std::floor(offset_m / kRow_m))});
+    row_of_.emplace_back(segments[keyframe], static_cast<int>(std::floor(offset_m / kRow_m)));
   }
 }
 
@@ -77,23 +77,31 @@ double LateralRows::Tally::Share() const {
   return (kPriorVotes * kPriorShare + witnessed) / (kPriorVotes + witnessed + lasts);
 }
 
+LateralRows::Tally LateralRows::Around(const Row& row, const std::map<Row, Tally>& rows) {
+  Tally around;
+  const auto& [row_segment, row_offset] = row;
+  for (int segment = -kSegmentsBeside; segment <= kSegmentsBeside; ++segment) {
+    for (int offset = -kRowsBeside; offset <= kRowsBeside; ++offset) {
+      const auto other = rows.find({row_segment + segment, row_offset + offset});
+      if (other == rows.end()) continue;
+      const double weight =
+          Weight(segment * kSegment_m, kAlongSigma_m) * Weight(offset * kRow_m, kOffsetSigma_m);
+      around.Add(weight, other->second);
+    }
+  }
+  return around;
+}
+
 std::vector<double> LateralRows::IntermittentShares(std::span<const RowVote> votes) const {
   std::map<Row, Tally> rows;
   for (std::size_t i = 0; i < votes.size(); ++i) rows[row_of_[i]].Add(1.0, votes[i]);
+  std::map<Row, Tally> around;
+  for (const auto& [row, tally] : rows) around.emplace(row, Around(row, rows));
   std::vector<double> shares;
   for (std::size_t i = 0; i < votes.size(); ++i) {
-    Tally around;
-    around.Add(-1.0, votes[i]);
-    for (int segment = -kSegmentsBeside; segment <= kSegmentsBeside; ++segment) {
-      for (int offset = -kRowsBeside; offset <= kRowsBeside; ++offset) {
-        const auto row = rows.find({row_of_[i].segment + segment, row_of_[i].offset + offset});
-        if (row == rows.end()) continue;
-        const double weight =
-            Weight(segment * kSegment_m, kAlongSigma_m) * Weight(offset * kRow_m, kOffsetSigma_m);
-        around.Add(weight, row->second);
-      }
-    }
-    shares.push_back(around.Share());
+    Tally of_others = around.at(row_of_[i]);
+    of_others.Add(-1.0, votes[i]);
+    shares.push_back(of_others.Share());
   }
   return shares;
 }

@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/geometry/pose.h"
@@ -33,11 +34,7 @@ class LateralRows {
   std::vector<double> IntermittentShares(std::span<const RowVote> votes) const;
 
  private:
-  struct Row {
-    int segment = 0;  // along the way
-    int offset = 0;   // to the left of it
-    auto operator<=>(const Row&) const = default;
-  };
+  using Row = std::pair<int, int>;  // its segment of the way, and its offset to the left
 
   /// What places say, each with its weight.
   struct Tally {
@@ -49,6 +46,9 @@ class LateralRows {
     void Add(double weight, const Tally& other);
     double Share() const;
   };
+
+  /// The sum of a row and those near it, which weigh less.
+  static Tally Around(const Row& row, const std::map<Row, Tally>& rows);
 
   std::vector<Row> row_of_;  // of each place
 };

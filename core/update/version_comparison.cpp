@@ -7,6 +7,7 @@ namespace {
 
 PlaceSet PlacesOf(const std::vector<PlacedLandmark>& landmarks) {
   std::vector<Eigen::Vector2d> places_m;
+  places_m.reserve(landmarks.size());
   for (const PlacedLandmark& landmark : landmarks) {
     places_m.push_back(landmark.position.position_m);
   }

@@ -12,7 +12,8 @@ namespace dcloc {
 namespace {
 
 bool HasPointsOf(const EditableKeyframe& a, const EditableKeyframe& b) {
-  return a.points.size() == b.points.size() &&
+  if (a.points.size() != b.points.size()) return false;
+  return a.points.empty() ||
          std::memcmp(a.points.data(), b.points.data(), a.points.size() * sizeof(MapPoint)) == 0;
 }
 
