@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "core/radar/scan.h"
+#include "core/radar/stamp.h"
 #include "core/update/presence.h"
 
 namespace dcloc {

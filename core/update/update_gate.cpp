@@ -238,6 +238,10 @@ class UpdateEvaluator {
       const PlacedScan& scan = held_out_.pass.scans[k];
       const Pose2 T_map_consensus = Flatten(scan.T_map_vehicle);
       const Pose2 T_local_vehicle = ToLocal(T_map_consensus);
+      std::vector<RadarPoint> points;
+      if (k % kFitStride == 0) points = Judged(scan.points, T_local_vehicle);
+      const double old_fit_sum = old_fit.Sum(points, T_local_vehicle);
+      const double new_fit_sum = new_fit.Sum(points, T_local_vehicle);
       for (SegmentSum* const sum : {&sums_[segments_.At(T_local_vehicle.translation_m)], &whole_}) {
         ++sum->scan_count;
         sum->old_version.Add(old_version_.replay[i], T_map_consensus);
@@ -250,10 +254,8 @@ class UpdateEvaluator {
           sum->error_change_m.Add(ErrorOf(new_version_.replay[i], T_map_consensus) -
                                   ErrorOf(old_version_.replay[i], T_map_consensus));
         }
-        if (k % kFitStride != 0) continue;
-        const std::vector<RadarPoint> points = Judged(scan.points, T_local_vehicle);
-        sum->old_version.AddFit(old_fit.Sum(points, T_local_vehicle), points.size());
-        sum->new_version.AddFit(new_fit.Sum(points, T_local_vehicle), points.size());
+        sum->old_version.AddFit(old_fit_sum, points.size());
+        sum->new_version.AddFit(new_fit_sum, points.size());
       }
     }
     AddUntracked();
@@ -339,8 +341,8 @@ class UpdateEvaluator {
   static std::string Reason(const SegmentEvaluation& whole, const std::string& segment_fault) {
     if (!whole.fault.empty()) return "worse as a whole: " + whole.fault;
     if (!segment_fault.empty()) return "worse in a street segment, " + segment_fault;
-    if (whole.added_count + whole.removed_count + whole.intermittent_count == 0)
-      return "nothing has changed";
+    const std::size_t gone_count = whole.removed_count + whole.intermittent_count;
+    if (whole.added_count + gone_count == 0) return "nothing has changed";
     if (whole.added_count > 0 && whole.new_version.fit <= whole.old_version.fit) {
       return absl::StrFormat("no better: fit %.4f, before %.4f", whole.new_version.fit,
                              whole.old_version.fit);
