@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/update/placed_pass.h"
+#include "core/passes/placed_pass.h"
 
 namespace dcloc {
 

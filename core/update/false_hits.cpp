@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/update/pass_centers.h"
+#include "core/passes/pass_centers.h"
 
 namespace dcloc {
 namespace {

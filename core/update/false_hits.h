@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/map/landmark_fusion.h"
-#include "core/update/center_matching.h"
+#include "core/passes/center_matching.h"
 
 namespace dcloc {
 

@@ -10,13 +10,13 @@
 #include "absl/status/status.h"
 #include "core/map/keyframe_index.h"
 #include "core/map/landmark_points.h"
+#include "core/passes/landmark_refinement.h"
+#include "core/passes/pass_centers.h"
 #include "core/update/base_landmarks.h"
 #include "core/update/detection_model.h"
 #include "core/update/exposure.h"
 #include "core/update/false_hits.h"
-#include "core/update/landmark_refinement.h"
 #include "core/update/lateral_rows.h"
-#include "core/update/pass_centers.h"
 #include "core/update/presence_fit.h"
 
 namespace dcloc {

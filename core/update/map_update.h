@@ -6,11 +6,11 @@
 
 #include "absl/status/statusor.h"
 #include "core/map/editable_map.h"
-#include "core/update/center_matching.h"
+#include "core/passes/center_matching.h"
+#include "core/passes/pass_alignment.h"
+#include "core/passes/placed_pass.h"
 #include "core/update/landmark_history.h"
 #include "core/update/new_streets.h"
-#include "core/update/pass_alignment.h"
-#include "core/update/placed_pass.h"
 #include "core/update/presence.h"
 
 namespace dcloc {

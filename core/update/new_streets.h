@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/geometry/pose.h"
-#include "core/update/placed_pass.h"
+#include "core/passes/placed_pass.h"
 
 namespace dcloc {
 

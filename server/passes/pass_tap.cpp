@@ -2,8 +2,8 @@
 
 #include <utility>
 
+#include "core/passes/beyond_map.h"
 #include "core/radar/stamp.h"
-#include "core/update/beyond_map.h"
 #include "server/base/framed_file.h"
 #include "server/base/within_memory.h"
 #include "server/passes/pass_file.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "core/update/scan_worth.h"
+#include "core/passes/scan_worth.h"
 #include "dcloc/v1/pass_service.pb.h"
 #include "server/convert/answer.h"
 #include "server/passes/pass_writer.h"

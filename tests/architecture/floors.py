@@ -16,7 +16,9 @@ FLOORS = {
         "uncertainty",
         "calibration",
         "localizer mapping",
-        "update localizability",
+        "passes localizability",
+        "update",
+        "versions",
     ],
     "server": [
         "base",

@@ -7,7 +7,7 @@
 
 #include "client/simulation/simulation.h"
 #include "core/map/radar_map.h"
-#include "core/update/placed_pass.h"
+#include "core/passes/placed_pass.h"
 
 namespace dcloc::benchmarks {
 

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/map/point_grid.h"
-#include "core/update/version_score.h"
+#include "core/passes/placed_landmark.h"
 
 namespace dcloc::benchmarks {
 namespace {

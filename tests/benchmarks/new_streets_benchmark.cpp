@@ -14,9 +14,9 @@
 #include "client/evaluation/metrics.h"
 #include "client/evaluation/runner.h"
 #include "client/simulation/simulation.h"
-#include "core/update/judged_version.h"
+#include "core/passes/pass_alignment.h"
 #include "core/update/map_update.h"
-#include "core/update/pass_alignment.h"
+#include "core/versions/judged_version.h"
 #include "tests/benchmarks/ageing_town.h"
 
 namespace dcloc::benchmarks {

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "client/datasets/drive_map.h"
-#include "core/update/judged_version.h"
 #include "core/update/map_update.h"
-#include "core/update/update_gate.h"
+#include "core/versions/judged_version.h"
+#include "core/versions/update_gate.h"
 #include "tests/benchmarks/ageing_town.h"
 
 namespace dcloc::benchmarks {

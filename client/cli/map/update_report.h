@@ -3,7 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
-#include "core/update/update_builder.h"
+#include "core/versions/update_builder.h"
 
 namespace dcloc::cli {
 

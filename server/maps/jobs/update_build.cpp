@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/update/update_builder.h"
+#include "core/versions/update_builder.h"
 #include "server/identity/principal.h"
 #include "server/maps/jobs/pass_choice.h"
 #include "server/passes/pass_file.h"

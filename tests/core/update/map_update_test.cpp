@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <random>
 
-#include "core/update/version_score.h"
-#include "tests/core/update/street_fixture.h"
+#include "core/passes/placed_landmark.h"
+#include "tests/core/passes/street_fixture.h"
 
 namespace dcloc {
 namespace {

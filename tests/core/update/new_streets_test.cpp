@@ -6,9 +6,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/passes/placed_landmark.h"
 #include "core/update/map_update.h"
-#include "core/update/version_score.h"
-#include "tests/core/update/street_fixture.h"
+#include "tests/core/passes/street_fixture.h"
 
 namespace dcloc {
 namespace {
