@@ -6,22 +6,21 @@
 
 #include "absl/status/statusor.h"
 #include "core/map/editable_map.h"
-#include "core/passes/center_matching.h"
 #include "core/passes/pass_alignment.h"
 #include "core/passes/placed_pass.h"
 #include "core/update/landmark_history.h"
 #include "core/update/new_streets.h"
 #include "core/update/presence.h"
+#include "core/update/seen_places.h"
 
 namespace dcloc {
 
 struct MapUpdateOptions {
-  CenterMatchingOptions matching;
+  SeenPlacesOptions places;
   PassAlignmentOptions alignment;
   NewStreetOptions new_streets;
   PresenceModel presence;       ///< to begin with; shares and shapes are learned from the passes
   double base_age_days = 30.0;  ///< of the base map at the first pass
-  int min_center_scans = 2;     ///< of a pass that saw something at a place
   double min_keep_probability = 0.5;  ///< probability of a landmark that stays in the map
   double min_add_probability = 0.5;   ///< probability of one that comes into it
   int min_witnesses = 2;              ///< vehicles or days, for any change
