@@ -1,8 +1,8 @@
 #include "client/datasets/drive_map.h"
 
 #include "absl/strings/str_cat.h"
-#include "core/odometry/drive_stamps.h"
 #include "core/odometry/ego_motion.h"
+#include "core/online_calibration/drive_stamps.h"
 
 namespace dcloc {
 

@@ -5,9 +5,9 @@
 #include "absl/container/inlined_vector.h"
 #include "core/localizer/radar_monitor.h"
 #include "core/odometry/ego_motion.h"
-#include "core/odometry/learned_rig.h"
-#include "core/odometry/range_rate_scales.h"
 #include "core/odometry/source_fault.h"
+#include "core/online_calibration/learned_rig.h"
+#include "core/online_calibration/range_rate_scales.h"
 #include "core/uncertainty/azimuth_signs.h"
 
 namespace dcloc {

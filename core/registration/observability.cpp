@@ -94,9 +94,11 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
     const auto is_felt = [&](const Shift& shift) {
       const Eigen::Matrix<double, Dim, 1> aside_m =
           shift.length_m * (R.template leftCols<2>() * direction.axis);
-      const double there = std::max(fit.At(T_local_vehicle.translation_m + aside_m),
-                                    fit.At(T_local_vehicle.translation_m - aside_m));
-      return there <= (1.0 - shift.min_drop) * here;
+      const auto fits_less_at = [&](const Eigen::Matrix<double, Dim, 1>& p_local_m) {
+        return fit.At(p_local_m) <= (1.0 - shift.min_drop) * here;
+      };
+      return fits_less_at(T_local_vehicle.translation_m + aside_m) &&
+             fits_less_at(T_local_vehicle.translation_m - aside_m);
     };
     direction.observed = std::ranges::any_of(shifts, is_felt);
     direction.blunt = !is_felt({options.blunt_shift_m, options.blunt_max_drop});

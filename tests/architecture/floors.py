@@ -8,7 +8,7 @@ FLOORS = {
         "geometry",
         "radar",
         "odometry",
-        "submap",
+        "online_calibration submap",
         "posegraph",
         "map",
         "registration",

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/odometry/range_rate_scales.h"
+#include "core/online_calibration/range_rate_scales.h"
 
 namespace dcloc::faults {
 namespace {

@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/odometry/drive_stamps.h"
 #include "core/odometry/ego_motion.h"
-#include "core/odometry/learned_stamps.h"
+#include "core/online_calibration/drive_stamps.h"
+#include "core/online_calibration/learned_stamps.h"
 #include "server/base/status.h"
 #include "server/convert/geometry.h"
 #include "server/convert/scan.h"

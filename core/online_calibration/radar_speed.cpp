@@ -1,4 +1,4 @@
-#include "core/odometry/radar_speed.h"
+#include "core/online_calibration/radar_speed.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "core/odometry/learned_stamps.h"
+#include "core/online_calibration/learned_stamps.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "core/odometry/ego_motion.h"
-#include "core/odometry/learned_stamps.h"
-#include "core/odometry/radar_delays.h"
+#include "core/online_calibration/learned_stamps.h"
+#include "core/online_calibration/radar_delays.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"
 

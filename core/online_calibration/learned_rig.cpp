@@ -1,4 +1,4 @@
-#include "core/odometry/learned_rig.h"
+#include "core/online_calibration/learned_rig.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,9 +1,9 @@
-#include "core/odometry/learned_stamps.h"
+#include "core/online_calibration/learned_stamps.h"
 
 #include <gtest/gtest.h>
 
-#include "core/odometry/drive_stamps.h"
-#include "tests/core/odometry/late_radars.h"
+#include "core/online_calibration/drive_stamps.h"
+#include "tests/core/online_calibration/late_radars.h"
 
 namespace dcloc {
 namespace {

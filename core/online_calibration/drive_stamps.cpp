@@ -1,4 +1,4 @@
-#include "core/odometry/drive_stamps.h"
+#include "core/online_calibration/drive_stamps.h"
 
 #include <algorithm>
 #include <memory>

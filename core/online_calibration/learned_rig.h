@@ -6,10 +6,10 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/odometry/learned_stamps.h"
-#include "core/odometry/mount_yaw_estimator.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/odometry/source_fault.h"
+#include "core/online_calibration/learned_stamps.h"
+#include "core/online_calibration/mount_yaw_estimator.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"

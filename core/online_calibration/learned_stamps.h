@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/odometry/radar_delays.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/odometry/scalar_estimate.h"
+#include "core/online_calibration/radar_delays.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"

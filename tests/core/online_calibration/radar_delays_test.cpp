@@ -1,8 +1,8 @@
-#include "core/odometry/radar_delays.h"
+#include "core/online_calibration/radar_delays.h"
 
 #include <gtest/gtest.h>
 
-#include "tests/core/odometry/late_radars.h"
+#include "tests/core/online_calibration/late_radars.h"
 
 namespace dcloc {
 namespace {

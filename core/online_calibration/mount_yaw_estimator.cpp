@@ -1,4 +1,4 @@
-#include "core/odometry/mount_yaw_estimator.h"
+#include "core/online_calibration/mount_yaw_estimator.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "absl/status/status.h"
-#include "core/odometry/radar_speed.h"
 #include "core/odometry/scalar_estimate.h"
+#include "core/online_calibration/radar_speed.h"
 #include "core/options/option_fields.h"
 #include "core/radar/radar_model.h"
 #include "core/radar/scan.h"

@@ -1,4 +1,4 @@
-#include "core/odometry/radar_delays.h"
+#include "core/online_calibration/radar_delays.h"
 
 #include <algorithm>
 #include <cmath>

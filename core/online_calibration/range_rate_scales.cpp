@@ -1,4 +1,4 @@
-#include "core/odometry/range_rate_scales.h"
+#include "core/online_calibration/range_rate_scales.h"
 
 #include <algorithm>
 #include <cmath>
