@@ -4,6 +4,8 @@
 #include <cmath>
 #include <map>
 
+#include "core/update/keyframe_grid.h"
+
 namespace dcloc {
 namespace {
 
@@ -46,12 +48,10 @@ double Offset_m(const Pose3& T_local_keyframe, const Eigen::Vector2d& place_m) {
 LateralRows::LateralRows(std::span<const Pose3> T_local_keyframes,
                          std::span<const Eigen::Vector2d> places_m) {
   const std::vector<int> segments = Segments(T_local_keyframes);
+  const KeyframeGrid grid(T_local_keyframes);
   for (const Eigen::Vector2d& place_m : places_m) {
-    const auto nearest = std::ranges::min_element(T_local_keyframes, {}, [&](const Pose3& T) {
-      return (place_m - T.translation_m.head<2>()).squaredNorm();
-    });
-    const auto keyframe = static_cast<std::size_t>(nearest - T_local_keyframes.begin());
-    const double offset_m = Offset_m(*nearest, place_m);
+    const std::size_t keyframe = grid.Nearest(place_m);
+    const double offset_m = Offset_m(T_local_keyframes[keyframe], place_m);
     row_of_.emplace_back(segments[keyframe], static_cast<int>(std::floor(offset_m / kRow_m)));
   }
 }

@@ -43,7 +43,7 @@ class Updater {
   }
 
   absl::StatusOr<MapUpdate> Run() && {
-    if (passes_.empty()) {
+    if (passes_.empty() || base_map_.keyframes.empty()) {
       return absl::InvalidArgumentError("no pass has a scan that was tracked in the map");
     }
     AlignPasses(base_.landmarks, base_map_.Origin_m(), options_.alignment, aligned_);

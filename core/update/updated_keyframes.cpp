@@ -1,24 +1,28 @@
 #include "core/update/updated_keyframes.h"
 
+#include <vector>
+
 #include "core/map/keyframe_index.h"
 
 namespace dcloc {
+namespace {
 
-UpdatedKeyframes::UpdatedKeyframes(std::span<const Pose3> base, std::span<const Pose3> joined)
-    : T_local_keyframes_(base.begin(), base.end()), base_count_(base.size()) {
-  T_local_keyframes_.insert(T_local_keyframes_.end(), joined.begin(), joined.end());
+std::vector<Pose3> Joined(std::span<const Pose3> one, std::span<const Pose3> other) {
+  std::vector<Pose3> poses(one.begin(), one.end());
+  poses.insert(poses.end(), other.begin(), other.end());
+  return poses;
 }
 
+}  // namespace
+
+UpdatedKeyframes::UpdatedKeyframes(std::span<const Pose3> base, std::span<const Pose3> joined)
+    : grid_(Joined(base, joined)), base_count_(base.size()), any_joined_(!joined.empty()) {}
+
 std::optional<std::size_t> UpdatedKeyframes::Of(const Landmark& landmark) const {
-  std::optional<std::size_t> nearest;
-  double nearest_m = kMaxKeyframeDistance_m;
-  for (std::size_t k = 0; k < T_local_keyframes_.size(); ++k) {
-    const double distance_m =
-        (T_local_keyframes_[k].translation_m - landmark.position_m).head<2>().norm();
-    if (distance_m >= nearest_m) continue;
-    nearest_m = distance_m;
-    nearest = k;
-  }
+  const Eigen::Vector2d p_local_m = landmark.position_m.head<2>();
+  const std::size_t nearest = grid_.Nearest(p_local_m);
+  const double distance_m = (grid_.position_m(nearest) - p_local_m).norm();
+  if (distance_m >= kMaxKeyframeDistance_m) return std::nullopt;
   return nearest;
 }
 
