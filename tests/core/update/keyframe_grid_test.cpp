@@ -19,8 +19,8 @@ Landmark LandmarkAt(double x_m, double y_m) { return {.position_m = {x_m, y_m, 0
 TEST(KeyframeGridTest, FindsTheOneThatASearchThroughAllFinds) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> coordinate_m(-900.0, 900.0);
-  std::vector<Pose3> keyframes;
-  for (int i = 0; i < 60; ++i) keyframes.push_back(At(coordinate_m(random), coordinate_m(random)));
+  std::vector<Pose3> keyframes(60);
+  for (Pose3& keyframe : keyframes) keyframe = At(coordinate_m(random), coordinate_m(random));
   const KeyframeGrid grid(keyframes);
   for (int i = 0; i < 500; ++i) {
     const Eigen::Vector2d p_m(2.0 * coordinate_m(random), 2.0 * coordinate_m(random));
