@@ -32,7 +32,7 @@ struct SeenPlaces {
   std::vector<std::vector<double>> position_ratios;  ///< equation 62, by pass and place
   FalseHits false_hits;
 
-  /// The places themselves, the first `count` of them.
+  /// Where the first `count` places lie, relative to the origin of the map.
   std::vector<Eigen::Vector2d> FirstPlaces_m(std::size_t count) const;
 };
 
