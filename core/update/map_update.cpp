@@ -99,8 +99,9 @@ class Updater {
                       result_.presence);
       Describe(std::move(evidence));
       intermittent_shares_ = rows.IntermittentShares(RowVotes());
-      for (std::size_t i = 0; i < places_.known_count; ++i)
+      for (std::size_t i = 0; i < places_.known_count; ++i) {
         presence[i] = result_.known[i].presence.stays;
+      }
     }
   }
 
