@@ -141,7 +141,7 @@ class Pipeline final : public AnyPipeline {
   void TakePlaceEvidence(Stamp stamp, std::size_t radar_index, const Workspace<Dim>& workspace);
   void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(std::size_t radar_index, Workspace<Dim>& workspace);
-  void CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace);
+  void CompareAlongTrackRivals(std::size_t radar_index, ScanFit fit, Workspace<Dim>& workspace);
   void RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace);
   // Whether the sign has changed: then the scan's points are dropped.
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);

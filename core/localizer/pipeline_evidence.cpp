@@ -27,7 +27,7 @@ void Pipeline<Dim>::TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<
   if (is_comparable && LearnRangeBias(stamp, radar_index, workspace)) return;
   if (!IsTrusted(radar_index, stamp)) return;
   if (is_comparable) CompareSourcesByMapFit(radar_index, workspace);
-  if (is_full) CompareAlongTrackRivals(fit, workspace);
+  if (is_full) CompareAlongTrackRivals(radar_index, fit, workspace);
   UpdateTrackingByScanFit(fit);
 }
 

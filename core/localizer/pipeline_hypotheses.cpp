@@ -75,9 +75,14 @@ void Pipeline<Dim>::CompareSourcesByMapFit(std::size_t radar_index, Workspace<Di
 
 // METHOD eq 60. The pose is held against some of the places before and behind it.
 template <int Dim>
-void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspace) {
+void Pipeline<Dim>::CompareAlongTrackRivals(std::size_t radar_index, ScanFit fit,
+                                            Workspace<Dim>& workspace) {
   // Before a registration has been accepted, no place is where the vehicle may be.
   if (newest_.outcome != RegistrationOutcome::kAccepted) return;
+  const bool fits_as_usual =
+      fit == ScanFit::kAgrees && radars_.scan_checker.Trend() == FitTrend::kUsual;
+  const bool in_doubt = !fits_as_usual || tracking_.mode() != TrackingMode::kConfirmed;
+  if (!rivals_.IsDue(radar_index, in_doubt)) return;
   const std::span<const Pose2> T_vehicle_places =
       rivals_.NextPlaces(Curvature_radpm(ego_motion_.velocity()));
   if (T_vehicle_places.empty()) return;
@@ -86,19 +91,23 @@ void Pipeline<Dim>::CompareAlongTrackRivals(ScanFit fit, Workspace<Dim>& workspa
                       rivals_.pose_sigma_m(), workspace.registration, workspace.rival_fits);
   rivals_.OnFits(workspace.scan_points.size(), workspace.rival_fits);
   // Beside a scan that fits too little, any place fits well.
-  if (fit == ScanFit::kAgrees && radars_.scan_checker.Trend() == FitTrend::kUsual) {
-    rivals_.LearnRepetition(workspace.rival_fits);
-  }
+  if (fits_as_usual) rivals_.LearnRepetition(workspace.rival_fits);
 }
 
 // METHOD section 19. Rivals are registered like the pose, and what counts is which of them fits.
 template <int Dim>
 void Pipeline<Dim>::RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& workspace) {
+  std::vector<GaussianPoint<Dim>>& points = workspace.thinned_submap;
+  points.clear();
   for (int i = rivals_.CountToRegister(); i > 0; --i) {
     const std::optional<Pose2> T_vehicle_place = rivals_.NextToRegister();
     if (!T_vehicle_place) return;
-    const auto rival = map_.matcher.RegisterPlace(workspace.submap.points, pose_.Now().pose,
-                                                  *T_vehicle_place, workspace.registration);
+    if (points.empty()) {
+      TakeEvenly(workspace.submap.points, rivals_.max_registered_point_count(),
+                 [&](const GaussianPoint<Dim>& point) { points.push_back(point); });
+    }
+    const auto rival = map_.matcher.RegisterPlace(points, pose_.Now().pose, *T_vehicle_place,
+                                                  workspace.registration);
     rivals_.OnRegistered(rival.T_vehicle_place, rival.score - pose_score);
   }
 }
@@ -107,6 +116,7 @@ void Pipeline<Dim>::RegisterAlongTrackRivals(double pose_score, Workspace<Dim>& 
 // may be wrong instead: so both are laid at other poses, too, and the best fit of each counts.
 template <int Dim>
 bool Pipeline<Dim>::LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace) {
+  if (!radars_.azimuth_signs.IsDue(radar_index)) return false;
   const AzimuthSignOptions& options = radars_.azimuth_signs.options();
   const PoseEstimate<Dim> now = pose_.Now();
   const double sigma_m = std::clamp(HorizontalSigma(now.covariance), options.min_pose_sigma_m,
@@ -274,8 +284,8 @@ template const Scan& Pipeline<2>::Fresh(const Scan&, std::size_t, Workspace<2>&)
 template const Scan& Pipeline<3>::Fresh(const Scan&, std::size_t, Workspace<3>&);
 template void Pipeline<2>::CompareSourcesByMapFit(std::size_t, Workspace<2>&);
 template void Pipeline<3>::CompareSourcesByMapFit(std::size_t, Workspace<3>&);
-template void Pipeline<2>::CompareAlongTrackRivals(ScanFit, Workspace<2>&);
-template void Pipeline<3>::CompareAlongTrackRivals(ScanFit, Workspace<3>&);
+template void Pipeline<2>::CompareAlongTrackRivals(std::size_t, ScanFit, Workspace<2>&);
+template void Pipeline<3>::CompareAlongTrackRivals(std::size_t, ScanFit, Workspace<3>&);
 template void Pipeline<2>::RegisterAlongTrackRivals(double, Workspace<2>&);
 template void Pipeline<3>::RegisterAlongTrackRivals(double, Workspace<3>&);
 template bool Pipeline<2>::LearnAzimuthSign(std::size_t, Workspace<2>&);

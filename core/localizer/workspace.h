@@ -25,6 +25,7 @@ struct Workspace {
   std::vector<Eigen::Vector2d> range_shifts_m;     // of each of scan_points
   std::vector<GaussianPoint<Dim>> shifted_points;  // scan_points with other ranges
   LiveSubmap<Dim> submap;
+  std::vector<GaussianPoint<Dim>> thinned_submap;  // some of its points
   RegistrationWorkspace<Dim> registration;
 };
 

@@ -37,6 +37,22 @@ double MapFit<Dim>::At(const Eigen::Matrix<double, Dim, 1>& p_local_m) const {
   return sum / static_cast<double>(points_.size());
 }
 
+// Each of the points that are left adds 0 to 1.
+template <int Dim>
+bool MapFit<Dim>::IsAtMost(const Eigen::Matrix<double, Dim, 1>& p_local_m, double max_fit) const {
+  const Vector vehicle_m = p_local_m.template cast<float>();
+  const double max_sum = max_fit * static_cast<double>(points_.size());
+  auto left = static_cast<double>(points_.size());
+  double sum = 0.0;
+  for (const Turned& point : points_) {
+    if (sum > max_sum) return false;
+    if (sum + left <= max_sum) return true;
+    sum += FitOf(point, vehicle_m + point.p_m);
+    left -= 1.0;
+  }
+  return sum <= max_sum;
+}
+
 template <int Dim>
 double MapFit<Dim>::At(const Eigen::Matrix<double, Dim, 1>& p_local_m, double turn_rad) const {
   if (points_.empty()) return 0.0;

@@ -26,7 +26,10 @@ class MapFit {
   /// The fit with the vehicle at `p_local_m`: [0, 1], 0 without points.
   double At(const Eigen::Matrix<double, Dim, 1>& p_local_m) const;
 
-  /// The same with the vehicle turned to the left by `turn_rad`, about the z axis of the local
+  /// Whether the fit there is `max_fit` at most; soon known where it is far from that.
+  bool IsAtMost(const Eigen::Matrix<double, Dim, 1>& p_local_m, double max_fit) const;
+
+  /// The fit with the vehicle turned to the left by `turn_rad`, about the z axis of the local
   /// frame.
   double At(const Eigen::Matrix<double, Dim, 1>& p_local_m, double turn_rad) const;
 

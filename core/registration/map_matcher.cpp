@@ -285,7 +285,12 @@ typename MapMatcher<Dim>::RegisteredPlace MapMatcher<Dim>::RegisterPlace(
   const Pose2 vehicle = Planar<Dim>(T_local_vehicle);
   const Pose<Dim> start = Lift<Dim>(vehicle * T_vehicle_place, T_local_vehicle);
   const Registration<Dim> registration =
-      Refine(live, start, options_.search_guess_sigma_m, workspace);
+      method_->Register({.points = live,
+                         .map = local_map_,
+                         .T_local_vehicle_guess = start,
+                         .guess_sigma_m = options_.search_guess_sigma_m,
+                         .effort = kComparingEffort},
+                        workspace);
   return {.T_vehicle_place = vehicle.Inverse() * Planar<Dim>(registration.T_local_vehicle),
           .score = registration.score};
 }

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/thinning.h"
+
 namespace dcloc {
 namespace {
 
@@ -74,10 +76,9 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
                       const Pose<Dim>& T_local_vehicle, const TangentMatrix<Dim>& covariance,
                       const CorrespondenceGates& gates, const ObservabilityOptions& options,
                       std::vector<GaussianPoint<Dim>>& chosen, MapFit<Dim>& fit) {
-  const std::size_t stride =
-      std::max<std::size_t>(1, live.size() / static_cast<std::size_t>(options.max_point_count));
   chosen.clear();
-  for (std::size_t i = 0; i < live.size(); i += stride) chosen.push_back(live[i]);
+  TakeEvenly(live, options.max_point_count,
+             [&](const GaussianPoint<Dim>& point) { chosen.push_back(point); });
   constexpr double kSigma_m = 0.0;  // the pose is the one that fits
   fit.Begin(chosen, map, gates, T_local_vehicle, kSigma_m);
   const double here = fit.At(T_local_vehicle.translation_m);
@@ -95,7 +96,7 @@ Observability Observe(std::span<const GaussianPoint<Dim>> live, const LocalMap<D
       const Eigen::Matrix<double, Dim, 1> aside_m =
           shift.length_m * (R.template leftCols<2>() * direction.axis);
       const auto fits_less_at = [&](const Eigen::Matrix<double, Dim, 1>& p_local_m) {
-        return fit.At(p_local_m) <= (1.0 - shift.min_drop) * here;
+        return fit.IsAtMost(p_local_m, (1.0 - shift.min_drop) * here);
       };
       return fits_less_at(T_local_vehicle.translation_m + aside_m) &&
              fits_less_at(T_local_vehicle.translation_m - aside_m);

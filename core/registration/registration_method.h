@@ -18,6 +18,10 @@ struct RegistrationEffort {
   double rotation_tolerance_rad;
 };
 
+/// As much as it takes to compare places.
+inline constexpr RegistrationEffort kComparingEffort{
+    .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
+
 /// The input of a registration. All of it outlives the call.
 template <int Dim>
 struct RegistrationInput {

@@ -5,13 +5,6 @@
 #include "core/relocalization/global_localizer.h"
 
 namespace dcloc {
-namespace {
-
-// As well as it takes to compare places.
-constexpr RegistrationEffort kFineEffort{
-    .max_iterations = 15, .translation_tolerance_m = 0.005, .rotation_tolerance_rad = 0.0005};
-
-}  // namespace
 
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
@@ -29,8 +22,8 @@ typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAfterMotion(
 template <int Dim>
 typename GlobalLocalizer<Dim>::ViewFit GlobalLocalizer<Dim>::FitAround(
     const View<Dim>& view, const Pose3& T_map_vehicle, RegistrationWorkspace<Dim>& workspace) {
-  const auto found = registrar_.Register(view.fine_points, T_map_vehicle,
-                                         options_.registration_sigma_m, kFineEffort, workspace);
+  const auto found = registrar_.Register(
+      view.fine_points, T_map_vehicle, options_.registration_sigma_m, kComparingEffort, workspace);
   if (!found) return {.T_map_vehicle = T_map_vehicle};
   work_ += found->work;
   RegistrationGate gate = options_.gate;

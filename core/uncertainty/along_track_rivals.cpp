@@ -27,8 +27,10 @@ std::span<const OptionField<AlongTrackRivalOptions>> FieldsOf(
       {"max_wait_count", &O::max_wait_count, 0, 1'000'000, "a pose need not stand out"},
       {"pose_sigma_m", &O::pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"point_sigma", &O::point_sigma, 1e-6, 1},
+      {"scan_interval", &O::scan_interval, 1, 1'000},
       {"places_per_scan", &O::places_per_scan, 2, 10'000},
       {"max_point_count", &O::max_point_count, 1, 1'000'000},
+      {"max_registered_point_count", &O::max_registered_point_count, 1, 1'000'000},
       {"beginning_factor", &O::beginning_factor, 1, 1'000},
       {"repeating_fraction", &O::repeating_fraction, 0, 10, "all ground repeats"},
       {"forgetting_factor", &O::forgetting_factor, 0, 0.999'999, "the newest scan alone counts"},
@@ -53,6 +55,23 @@ AlongTrackRivals::AlongTrackRivals(const AlongTrackRivalOptions& options) : opti
   }
   chosen_.reserve(hypotheses_.size());
   places_.reserve(1 + hypotheses_.size());
+}
+
+bool AlongTrackRivals::IsDue(std::size_t index, bool in_doubt) {
+  int& count = scan_counts_.at(index);
+  ++count;
+  if (count < options_.scan_interval && !in_doubt && !MayBeElsewhere()) return false;
+  count = 0;
+  return true;
+}
+
+bool AlongTrackRivals::MayBeElsewhere() const {
+  const auto has_fitted_better = [this](const OffsetHypothesis& rival) {
+    return HasFittedBetter(rival);
+  };
+  return Begins() || !stands_out_ || best_fraction_.count == 0 || ground_repeats() ||
+         newest_fraction_ >= options_.repeating_fraction ||
+         std::ranges::any_of(hypotheses_, has_fitted_better);
 }
 
 std::span<const Pose2> AlongTrackRivals::NextPlaces(double curvature_radpm) {
@@ -190,7 +209,8 @@ void AlongTrackRivals::OnRegistered(const Pose2& T_vehicle_place, double score_l
 
 void AlongTrackRivals::LearnRepetition(std::span<const double> fits) {
   if (fits.size() < 2 || fits[0] <= 0.0) return;
-  best_fraction_.Add(std::ranges::max(fits.subspan(1)) / fits[0], options_.forgetting_factor);
+  newest_fraction_ = std::ranges::max(fits.subspan(1)) / fits[0];
+  best_fraction_.Add(newest_fraction_, options_.forgetting_factor);
 }
 
 bool AlongTrackRivals::stands_out() const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -11,6 +12,7 @@
 #include "core/geometry/forgetting_mean.h"
 #include "core/geometry/pose.h"
 #include "core/options/option_fields.h"
+#include "core/radar/radar_model.h"
 #include "core/uncertainty/one_sided_cusum.h"
 
 namespace dcloc {
@@ -40,8 +42,12 @@ struct AlongTrackRivalOptions {
   double point_sigma = 0.35;
   /// When a rival fits better for sure.
   OneSidedCusumOptions better = {.drift = 1.0, .max = 3.5, .limit = 8.0};
-  int places_per_scan = 12;  ///< places that one scan is compared at
-  int max_point_count = 50;  ///< of a scan's points, for as many are laid at each place
+  /// Where the ground does not repeat, and nothing speaks for a rival, one of so many scans of a
+  /// radar is compared.
+  int scan_interval = 3;
+  int places_per_scan = 12;              ///< places that one scan is compared at
+  int max_point_count = 50;              ///< of a scan's points, for as many are laid at each place
+  int max_registered_point_count = 600;  ///< of a sub-map's points, for as many are registered
   /// A pose that begins is compared at this many times as many places, until each has had its turn
   /// `beginning_rounds` times.
   int beginning_factor = 3;
@@ -69,6 +75,13 @@ class AlongTrackRivals {
 
   /// Of a scan, as many points are to be compared at most.
   int max_point_count() const { return options_.max_point_count; }
+
+  /// Of a sub-map, as many points are to be registered at most.
+  int max_registered_point_count() const { return options_.max_registered_point_count; }
+
+  /// A scan of radar `index`, which is `in_doubt` unless all is as usual. Returns whether it is to
+  /// be compared.
+  bool IsDue(std::size_t index, bool in_doubt);
 
   /// Chooses where the next scan is to be compared: T_vehicle_place, the pose itself first; none if
   /// there are no rivals. The road bends to the left by `curvature_radpm` radians a metre. Up to
@@ -132,6 +145,7 @@ class AlongTrackRivals {
   bool AreRegistered() const {
     return !hypotheses_.empty() && options_.registrations_per_rival > 0;
   }
+  bool MayBeElsewhere() const;
   std::size_t CountToChoose() const;
   void Choose(std::size_t index);
   std::size_t Challenger() const;
@@ -148,8 +162,9 @@ class AlongTrackRivals {
 
   AlongTrackRivalOptions options_;
   std::vector<OffsetHypothesis> hypotheses_;
-  double curvature_radpm_ = 0.0;     // of the road's line
-  std::size_t turn_ = 0;             // the hypothesis whose turn is next
+  std::array<int, kMaxRadars> scan_counts_{};  // of each radar, since one was compared
+  double curvature_radpm_ = 0.0;               // of the road's line
+  std::size_t turn_ = 0;                       // the hypothesis whose turn is next
   int round_count_ = 0;              // turns that each has had since the beginning; or kAllAtOnce
   int registration_count_ = 0;       // of the pose, since a rival was registered
   std::vector<std::size_t> chosen_;  // of the hypotheses, for the next scan
@@ -160,6 +175,7 @@ class AlongTrackRivals {
   int beaten_count_ = 0;             // rivals in a row
   bool stands_out_ = false;
   ForgettingMean best_fraction_;  // of the best rival's fit in that of the pose
+  double newest_fraction_ = 0.0;  // the newest of these
 };
 
 }  // namespace dcloc

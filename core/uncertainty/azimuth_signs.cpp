@@ -8,6 +8,7 @@ namespace dcloc {
 std::span<const OptionField<AzimuthSignOptions>> FieldsOf(const AzimuthSignOptions& /*options*/) {
   using O = AzimuthSignOptions;
   static constexpr OptionField<O> kFields[] = {
+      {"scan_interval", &O::scan_interval, 1, 1'000},
       {"max_point_count", &O::max_point_count, 1, 1'000'000},
       {"min_pose_sigma_m", &O::min_pose_sigma_m, 0, 100, "poses are compared as exact"},
       {"min_fit", &O::min_fit, 0, 1, "any mirror image counts"},
@@ -41,6 +42,15 @@ AzimuthSigns::AzimuthSigns(std::size_t radar_count, const AzimuthSignOptions& op
     add(i * options.rival_step_m, 0.0, 0.0);
     add(-i * options.rival_step_m, 0.0, 0.0);
   }
+}
+
+bool AzimuthSigns::IsDue(std::size_t index) {
+  Radar& radar = radars_[index];
+  ++radar.scan_count;
+  if (radar.scan_count < options_.scan_interval && radar.is_proven && radar.other_fits.sum() == 0.0)
+    return false;
+  radar.scan_count = 0;
+  return true;
 }
 
 // METHOD eq 60.

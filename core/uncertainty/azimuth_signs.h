@@ -13,6 +13,8 @@ namespace dcloc {
 
 /// When a radar's azimuths are taken with the other sign.
 struct AzimuthSignOptions {
+  /// One of so many scans of a radar is compared, and all as long as the other sign may fit.
+  int scan_interval = 3;
   int max_point_count = 50;  ///< of a scan's points, for as many are laid into the map
   /// Poses are compared as if they were as uncertain as this, at least.
   double min_pose_sigma_m = 0.3;
@@ -47,9 +49,12 @@ class AzimuthSigns {
   /// Whether the azimuths of radar `index` are to be taken with the other sign.
   bool IsMirrored(std::size_t index) const { return radars_[index].is_mirrored; }
 
-  /// `point_count` points of a scan of radar `index` fit the map by `mirrored_fit` if their
-  /// azimuths have the other sign than they are taken with, and by `fit` at best if they have not:
-  /// [0, 1]. Returns whether the sign has changed.
+  /// A scan of radar `index`. Returns whether it is to be compared.
+  bool IsDue(std::size_t index);
+
+  /// `point_count` points of a scan of radar `index` that is due fit the map by `mirrored_fit` if
+  /// their azimuths have the other sign than they are taken with, and by `fit` at best if they have
+  /// not: [0, 1]. Returns whether the sign has changed.
   bool OnFits(std::size_t index, std::size_t point_count, double fit, double mirrored_fit);
 
   /// The vehicle is where it is supposed to be, and scans fit there: the signs are right.
@@ -67,6 +72,7 @@ class AzimuthSigns {
   struct Radar {
     bool is_mirrored = false;
     bool is_proven = true;
+    int scan_count = 0;  // since one was compared
     OneSidedCusum other_fits;
   };
   AzimuthSignOptions options_;

@@ -5,13 +5,14 @@
 #include <algorithm>
 #include <array>
 
+#include "core/geometry/thinning.h"
 #include "core/registration/point_jacobians.h"
 
 namespace dcloc {
 namespace {
 
 // An even choice of points says it well enough.
-constexpr std::size_t kChosenPoints = 256;
+constexpr std::size_t kMaxChosenPoints = 256;
 // Prior of the pose, for directions of which the points say nothing: far wider than a
 // registration's own error, so that it changes nothing where they do.
 constexpr double kPriorSigma_m = 1.0;
@@ -35,7 +36,7 @@ TangentMatrix<Dim> CalibrationCovariance(const LiveSubmap<Dim>& live, const Rig&
   TangentMatrix<Dim> information = prior.asDiagonal();
   std::array<Pull, kMaxRadars> pulls;
   std::fill_n(pulls.begin(), rig.radars.size(), Pull::Zero());
-  const std::size_t stride = std::max<std::size_t>(1, live.points.size() / kChosenPoints);
+  const std::size_t stride = StepToKeep(kMaxChosenPoints, live.points.size());
   for (const auto& part : live.parts) {
     const auto radar_index = static_cast<std::size_t>(part.radar_index);
     const Eigen::Vector3d origin_m =

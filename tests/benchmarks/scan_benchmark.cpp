@@ -9,6 +9,8 @@
 #include <numbers>
 #include <numeric>
 #include <optional>
+#include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -180,13 +182,17 @@ void PrintStages(const Case& drives) {
 
 int main(int argc, char** argv) {
   using namespace dcloc::benchmarks;  // NOLINT(google-build-using-namespace)
-  const bool smoke = IsSmokeRun(argc, argv);
+  const std::string only = argc == 3 && std::string_view(argv[1]) == "--only" ? argv[2] : "";
+  const bool smoke = only.empty() && IsSmokeRun(argc, argv);
   std::vector<Case> cases;
   for (const char* name : {"ars408", "carla"}) {
     cases.push_back(SimulatedCase(name, smoke ? 60.0 : 500.0));
   }
   if (!smoke) {
     for (Case& recorded : RecordedCases()) cases.push_back(std::move(recorded));
+  }
+  if (!only.empty()) {
+    std::erase_if(cases, [&](const Case& drives) { return drives.name != only; });
   }
   std::printf("%-12s %6s %7s %8s %8s %8s %8s %8s %7s %9s %9s %9s %9s %9s\n", "case", "scans",
               "points", "mean ms", "p50 ms", "p50 ms", "p99 ms", "max ms", "allocs", "session",

@@ -68,6 +68,16 @@ TYPED_TEST(MapFitTest, IsThatOfTheCorrespondences) {
   }
 }
 
+TYPED_TEST(MapFitTest, IsAtMostWhatItIs) {
+  constexpr int kSize = TypeParam::value;
+  const Pose<kSize> T_local_vehicle;
+  this->fit_.Begin(this->live_, this->map_, this->gates_, T_local_vehicle, 0.3);
+  const double fit = this->fit_.At(T_local_vehicle.translation_m);
+  for (const double above : {-0.5, -0.1, -1e-6, 1e-6, 0.1, 0.5}) {
+    EXPECT_EQ(this->fit_.IsAtMost(T_local_vehicle.translation_m, fit + above), above > 0.0);
+  }
+}
+
 TYPED_TEST(MapFitTest, IsTheSameAtAHeadingOfItsOwn) {
   constexpr int kSize = TypeParam::value;
   constexpr double kTurn_rad = 0.2;

@@ -31,6 +31,24 @@ TEST(AzimuthSignsTest, AFewScansWhoseMirrorImageFitsShowTheSign) {
   EXPECT_FALSE(signs.IsMirrored(1));
 }
 
+TEST(AzimuthSignsTest, EachThirdScanIsComparedUntilOneSpeaksForTheOtherSign) {
+  AzimuthSigns signs(2, {});
+  for (const bool is_due : {false, false, true, false, false, true}) {
+    EXPECT_EQ(signs.IsDue(0), is_due);
+  }
+  signs.OnFits(0, kComparedPoints, 0.15, 0.35);
+  for (int scan = 0; scan < 4; ++scan) EXPECT_TRUE(signs.IsDue(0));
+  EXPECT_FALSE(signs.IsDue(1));
+}
+
+TEST(AzimuthSignsTest, EachScanIsComparedWhileASignIsUnproven) {
+  AzimuthSigns signs(1, {});
+  ScansUntilChanged(signs, 0.15, 0.35);
+  for (int scan = 0; scan < 4; ++scan) EXPECT_TRUE(signs.IsDue(0));
+  signs.OnConfirmed();
+  EXPECT_FALSE(signs.IsDue(0));
+}
+
 TEST(AzimuthSignsTest, WhereNothingFitsEitherSignIsTriedInTurn) {
   AzimuthSigns signs(2, {});
   ScansUntilChanged(signs, 0.15, 0.35);
