@@ -69,7 +69,7 @@ bool AlongTrackRivals::MayBeElsewhere() const {
   const auto has_fitted_better = [this](const OffsetHypothesis& rival) {
     return HasFittedBetter(rival);
   };
-  return Begins() || !stands_out_ || best_fraction_.count == 0 || ground_repeats() ||
+  return Begins() || !stands_out() || best_fraction_.count == 0 || ground_repeats() ||
          newest_fraction_ >= options_.repeating_fraction ||
          std::ranges::any_of(hypotheses_, has_fitted_better);
 }

@@ -77,61 +77,34 @@ TEST(AlongTrackRivalsTest, PlacesTakeTurns) {
   EXPECT_EQ(Next(rivals), (std::vector{0.0, 4.0, -4.0, 2.0, -2.0}));
 }
 
-// Which of the next scans of a radar are compared, of two radars that scan in turn.
-std::vector<bool> AreDue(AlongTrackRivals& rivals, bool in_doubt = false) {
-  std::vector<bool> due;
+// How many of the next six scans of each of two radars, which scan in turn, are compared.
+int CompareOfSix(AlongTrackRivals rivals, bool in_doubt = false) {
+  int count = 0, other_count = 0;
   for (int scan = 0; scan < 6; ++scan) {
-    due.push_back(rivals.IsDue(0, in_doubt));
-    EXPECT_EQ(rivals.IsDue(1, in_doubt), due.back());
+    count += rivals.IsDue(0, in_doubt) ? 1 : 0;
+    other_count += rivals.IsDue(1, in_doubt) ? 1 : 0;
   }
-  return due;
+  EXPECT_EQ(other_count, count);
+  return count;
 }
 
-const std::vector<bool> kAll(6, true);
-const std::vector<bool> kEachThird = {false, false, true, false, false, true};
-
-// A pose among rivals that fit by `fraction` of what it does.
-AlongTrackRivals AmongThoseThatFit(double fraction) {
+TEST(AlongTrackRivalsTest, FewerScansAreComparedWhereAllIsAsUsual) {
   AlongTrackRivalOptions options = SixPlaces(6);
   options.registrations_per_rival = 0;
   AlongTrackRivals rivals(options);
-  rivals.SupposeThatItStandsOut();
-  for (int scan = 0; scan < 10; ++scan) {
-    const std::vector<double> fits = {0.6, 0.6 * fraction, 0.1, 0.1, 0.1, 0.1, 0.1};
-    Next(rivals);
-    rivals.OnFits(kPointsOfAScan, fits);
-    rivals.LearnRepetition(fits);
-  }
-  return rivals;
-}
+  EXPECT_EQ(CompareOfSix(rivals), 6) << "nothing is known of the ground";
+  const std::vector<double> like_no_other = {0.6, 0.2}, like_another = {0.6, 0.5};
+  for (int scan = 0; scan < 10; ++scan) rivals.LearnRepetition(like_no_other);
+  EXPECT_EQ(CompareOfSix(rivals), 2);
+  EXPECT_EQ(CompareOfSix(rivals, /*in_doubt=*/true), 6);
+  EXPECT_EQ(CompareOfSix(AlongTrackRivals({})), 6) << "a pose begins";
 
-TEST(AlongTrackRivalsTest, EachScanIsComparedWhereTheGroundRepeats) {
-  AlongTrackRivals rivals = AmongThoseThatFit(0.6);
-  EXPECT_EQ(AreDue(rivals), kAll);
-}
-
-TEST(AlongTrackRivalsTest, EachThirdScanOfARadarIsComparedWhereItDoesNot) {
-  AlongTrackRivals rivals = AmongThoseThatFit(0.3);
-  EXPECT_EQ(AreDue(rivals), kEachThird);
-  EXPECT_EQ(AreDue(rivals, /*in_doubt=*/true), kAll);
-}
-
-TEST(AlongTrackRivalsTest, EachScanIsComparedOnceAPlaceFitsBetter) {
-  AlongTrackRivals rivals = AmongThoseThatFit(0.3);
-  Compare(rivals, 0.3, 3.0, 0.6);
-  EXPECT_EQ(AreDue(rivals), kAll);
-}
-
-TEST(AlongTrackRivalsTest, EachScanIsComparedOnceOneFitsAlikeElsewhere) {
-  AlongTrackRivals rivals = AmongThoseThatFit(0.2);
-  rivals.LearnRepetition(std::vector<double>{0.6, 0.5});
+  AlongTrackRivals one_fits_better = rivals;
+  Compare(one_fits_better, 0.3, 3.0, 0.6);
+  EXPECT_EQ(CompareOfSix(one_fits_better), 6);
+  rivals.LearnRepetition(like_another);
   EXPECT_FALSE(rivals.ground_repeats());
-  EXPECT_EQ(AreDue(rivals), kAll);
-}
-
-TEST(AlongTrackRivalsTest, EachScanOfAPoseThatBeginsIsCompared) {
-  AlongTrackRivals rivals({});
-  EXPECT_EQ(AreDue(rivals), kAll);
+  EXPECT_EQ(CompareOfSix(rivals), 6) << "the newest scan fits another place, too";
 }
 
 TEST(AlongTrackRivalsTest, APlaceThatHasFittedBetterIsComparedEachTime) {
