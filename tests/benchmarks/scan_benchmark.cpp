@@ -193,6 +193,11 @@ int main(int argc, char** argv) {
   }
   if (!only.empty()) {
     std::erase_if(cases, [&](const Case& drives) { return drives.name != only; });
+    if (cases.empty()) {
+      std::fprintf(stderr, "--only is '%s'; there is no such case, or no recording of it\n",
+                   only.c_str());
+      return 2;
+    }
   }
   std::printf("%-12s %6s %7s %8s %8s %8s %8s %8s %7s %9s %9s %9s %9s %9s\n", "case", "scans",
               "points", "mean ms", "p50 ms", "p50 ms", "p99 ms", "max ms", "allocs", "session",
