@@ -61,6 +61,7 @@ class CurrentPose {
 
   /// Learns from registrations; see NoiseScaleEstimator.
   NoiseScaleEstimator<Dim>& noise_scales() { return noise_scales_; }
+  const NoiseScaleEstimator<Dim>& noise_scales() const { return noise_scales_; }
 
  private:
   PoseEstimate<Dim> OdometryEdge() const;

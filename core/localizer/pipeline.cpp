@@ -133,6 +133,10 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
           stamp, registered->registration, ego_velocity, live_.submap.span(),
           map_.observability.BluntCovariance(options_.matcher.observability.blunt_sigma_m),
           map_.matcher, ego_motion_, pose_, workspace);
+    } else if (registered && registered->origin == PlaceOrigin::kExpected &&
+               newest_.outcome == RegistrationOutcome::kAccepted) {
+      learner_.OnDoubted(stamp, registered->registration, live_.submap.span(), map_.matcher,
+                         ego_motion_, pose_);
     }
     if (newest_.outcome == RegistrationOutcome::kAccepted) {
       RegisterAlongTrackRivals(registered->registration.score, workspace);
@@ -157,6 +161,7 @@ Localization Pipeline<Dim>::LocalizeLate(const Scan& scan, Stamp stamp,
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
   Compensate(Corrected(Fresh(scan, radar_index, workspace), workspace), stamp, moment->velocity,
              workspace);
+  TestLateScanFit(stamp, radar_index, *moment, workspace);
   const std::vector<RadarPoint>& points = workspace.static_points;
   if (IsTrusted(radar_index, stamp)) {
     const bool is_kept = live_.submap.Insert(stamp, static_cast<int>(radar_index), points);
@@ -180,6 +185,7 @@ void Pipeline<Dim>::LearnRig(const Scan& scan, Stamp stamp, std::size_t radar_in
   const std::optional<EgoVelocity>& velocity = ego_motion_.velocity_for_mounts();
   if (velocity && radars_.learned.OnScan(stamp, radar_index, scan, *velocity)) {
     live_.submap.DropPoints(static_cast<int>(radar_index));
+    ego_motion_.OnMountCorrected(scan.radar_id);
   }
   radars_.restamped_s =
       radars_.learned.LearnStamps(stamp, radar_index, scan, ego_motion_.sources().AllSound());

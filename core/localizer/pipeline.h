@@ -138,7 +138,12 @@ class Pipeline final : public AnyPipeline {
   void AddToSubmap(Stamp stamp, std::size_t radar_index, const std::vector<RadarPoint>& points,
                    const Motion& motion);
   void TestScanFit(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
-  void TakePlaceEvidence(Stamp stamp, std::size_t radar_index, const Workspace<Dim>& workspace);
+  void TestLateScanFit(Stamp stamp, std::size_t radar_index, const MotionHistory::Moment& moment,
+                       Workspace<Dim>& workspace);
+  ScanFit TakeScanFit(Stamp stamp, std::size_t radar_index, const PoseEstimate<Dim>& pose,
+                      Workspace<Dim>& workspace);
+  void TakePlaceEvidence(Stamp stamp, std::size_t radar_index, const Pose<Dim>& pose,
+                         const Workspace<Dim>& workspace);
   void UpdateTrackingByScanFit(ScanFit fit);
   void CompareSourcesByMapFit(std::size_t radar_index, Workspace<Dim>& workspace);
   void CompareAlongTrackRivals(std::size_t radar_index, ScanFit fit, Workspace<Dim>& workspace);
@@ -190,6 +195,8 @@ class Pipeline final : public AnyPipeline {
   void EnterLocalFrame(const Eigen::Vector3d& p_map, RegistrationWorkspace<Dim>& workspace);
   bool IsVague() const;
   PoseEstimate<3> NowInMap() const;
+  // Where the vehicle was at a moment of its history, as certain as it is now.
+  PoseEstimate<Dim> PoseThen(const MotionHistory::Moment& moment) const;
 
   struct RangeTrial {
     std::chrono::nanoseconds duration;

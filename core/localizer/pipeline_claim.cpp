@@ -88,7 +88,9 @@ template <int Dim>
 void Pipeline<Dim>::Claim(Localization& answer) const {
   const EgoVelocity velocity = ego_motion_.velocity().value_or(EgoVelocity{});
   const double speed_mps = velocity.linear_mps.norm();
-  answer.state = tracking_.Report(ClaimedPositionSigma(answer.covariance, speed_mps));
+  answer.state = tracking_.Report(
+      ClaimedPositionSigma(answer.covariance, speed_mps),
+      std::hypot(std::sqrt(answer.covariance(5, 5)), ego_motion_.turn_spread_rad()));
   if (answer.state == LocalizationState::kTracking) {
     const double along_track_m = speed_mps * radars_.stamp_error.bound_s +
                                  speed_mps * radars_.stamp_error.undecided_step_s +
@@ -103,6 +105,14 @@ void Pipeline<Dim>::Claim(Localization& answer) const {
 }
 
 template <int Dim>
+PoseEstimate<Dim> Pipeline<Dim>::PoseThen(const MotionHistory::Moment& moment) const {
+  const PoseEstimate<Dim> now = pose_.Now();
+  const Pose3 T_newest_then = moment.to_newest.T_from_to.Inverse();
+  return {.pose = now.pose * FromSpace<Dim>(T_newest_then, Matrix6d::Zero()).pose,
+          .covariance = now.covariance};
+}
+
+template <int Dim>
 std::optional<AnyPipeline::TriedFit> Pipeline<Dim>::TryFit(const Scan& scan, Stamp stamp,
                                                            LocalizerWorkspace& lent_workspace) {
   const std::optional<MotionHistory::Moment> moment = ego_motion_.history().AtOrSoonAfter(stamp);
@@ -112,11 +122,8 @@ std::optional<AnyPipeline::TriedFit> Pipeline<Dim>::TryFit(const Scan& scan, Sta
   const Scan& measured = AsMeasured(Corrected(scan, workspace), moment->velocity, workspace);
   StaticPoints(measured, radars_.learned.rig().radars[radar_index], moment->velocity,
                EffectiveStaticPoints(options_), workspace.tried_points);
-  PoseEstimate<Dim> pose = pose_.Now();
-  pose.pose =
-      pose.pose * FromSpace<Dim>(moment->to_newest.T_from_to.Inverse(), Matrix6d::Zero()).pose;
-  const double fit =
-      radars_.scan_checker.FitAt(workspace.tried_points, pose, map_.matcher, workspace);
+  const double fit = radars_.scan_checker.FitAt(workspace.tried_points, PoseThen(*moment),
+                                                map_.matcher, workspace);
   return TriedFit{fit, radars_.scan_checker.Judge(radar_index, workspace.scan_points.size(), fit)};
 }
 
@@ -130,6 +137,8 @@ template Localization Pipeline<2>::Answer(const Scan&, Stamp) const;
 template Localization Pipeline<3>::Answer(const Scan&, Stamp) const;
 template void Pipeline<2>::Claim(Localization&) const;
 template void Pipeline<3>::Claim(Localization&) const;
+template PoseEstimate<2> Pipeline<2>::PoseThen(const MotionHistory::Moment&) const;
+template PoseEstimate<3> Pipeline<3>::PoseThen(const MotionHistory::Moment&) const;
 template std::optional<AnyPipeline::TriedFit> Pipeline<2>::TryFit(const Scan&, Stamp,
                                                                   LocalizerWorkspace&);
 template std::optional<AnyPipeline::TriedFit> Pipeline<3>::TryFit(const Scan&, Stamp,

@@ -20,6 +20,7 @@ std::span<const OptionField<TrackingOptions>> FieldsOf(const TrackingOptions& /*
        "a single scan demands a verification"},
       {"min_fitting_scans", &O::min_fitting_scans, 1, 1000},
       {"tracking_sigma_m", &O::tracking_sigma_m, 0, 1000, "nothing is called tracking"},
+      {"tracking_sigma_rad", &O::tracking_sigma_rad, 0, 100, "likewise"},
       {"max_unobserved_ms", &O::max_unobserved, 0, 1e6,
        "each registration must observe the along-track position"},
       {"min_observed_ms", &O::min_observed, 0, 1e6, "a single registration will do"},
@@ -224,15 +225,17 @@ TrackingFailure TrackingStateMachine::FindFailure(Stamp stamp, double position_s
   return TrackingFailure::kNone;
 }
 
-LocalizationState TrackingStateMachine::Report(double claimed_position_sigma_m) const {
+LocalizationState TrackingStateMachine::Report(double claimed_position_sigma_m,
+                                               double claimed_heading_sigma_rad) const {
   switch (mode_) {
     case TrackingMode::kConfirmed: {
       // However well registrations agree across, a vehicle that does not know where along a tunnel
       // it is does not track.
       const bool is_unobserved = observability_ == AlongTrackObservability::kNotObserved ||
                                  observability_ == AlongTrackObservability::kReturning;
-      return is_unobserved || evidence_ != EvidenceForPlace::kEnough ||
-                     claimed_position_sigma_m > options_.tracking_sigma_m
+      const bool is_vague = claimed_position_sigma_m > options_.tracking_sigma_m ||
+                            claimed_heading_sigma_rad > options_.tracking_sigma_rad;
+      return is_unobserved || is_vague || evidence_ != EvidenceForPlace::kEnough
                  ? LocalizationState::kDeadReckoning
                  : LocalizationState::kTracking;
     }

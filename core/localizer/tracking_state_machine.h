@@ -5,6 +5,7 @@
 #include <span>
 
 #include "absl/status/status.h"
+#include "core/geometry/degrees.h"
 #include "core/localizer/localization_state.h"
 #include "core/localizer/tracking_states.h"
 #include "core/options/option_fields.h"
@@ -30,7 +31,9 @@ struct TrackingOptions {
   /// After so many scans in a row that do not fit, on ground that repeats, only global localization
   /// confirms the pose.
   int min_contradicting_scans = 3;
-  double tracking_sigma_m = 1.0;  ///< poses less certain than this are not called tracking
+  // Poses less certain than these are not called tracking.
+  double tracking_sigma_m = 1.0;                 ///< of the position
+  double tracking_sigma_rad = 2.5 * kRadPerDeg;  ///< of the heading
   /// A pose is not called tracking once registrations have not observed the along-track position
   /// for this long, as in a smooth tunnel: odometry alone determines it there.
   std::chrono::nanoseconds max_unobserved = std::chrono::milliseconds(1500);
@@ -95,6 +98,11 @@ class TrackingStateMachine {
   /// Whether the pose was not confirmed for so long that it may be anywhere.
   bool is_lost() const {
     return mode_ == TrackingMode::kLost || mode_ == TrackingMode::kContradicted;
+  }
+
+  /// Whether the pose is one of a prior, or of a search, that nothing has confirmed yet.
+  bool is_to_be_confirmed() const {
+    return mode_ == TrackingMode::kConfirmingPrior || mode_ == TrackingMode::kConfirmingPlace;
   }
 
   /// Starts from a prior; only in kSearching.
@@ -169,8 +177,9 @@ class TrackingStateMachine {
   /// confirm the pose. Before the first event.
   void Restore(const TrackingSnapshot& snapshot);
 
-  /// What to claim of a pose with this claimed position sigma (METHOD eq 57).
-  LocalizationState Report(double claimed_position_sigma_m) const;
+  /// What to claim of a pose with these claimed sigmas (METHOD eq 57).
+  LocalizationState Report(double claimed_position_sigma_m,
+                           double claimed_heading_sigma_rad = 0.0) const;
 
  private:
   TrackingFailure FindFailure(Stamp stamp, double position_sigma_m) const;

@@ -75,8 +75,13 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     }
     reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
   }
-  sources_.OnReadings(stamp,
-                      ReadingsOf(reported, doppler, alternative, simultaneous_scans_.size()));
+  const std::optional<SingleRadarReading> single_radar =
+      YawRateBesideGyroscope(radar, reported, doppler);
+  sources_.OnReadings(
+      stamp, ReadingsOf(reported, doppler, alternative, single_radar, simultaneous_scans_.size()));
+  if (single_radar && !sources_.IsSound(OdometrySource::kYawRate)) {
+    doppler->ego_velocity.angular_radps.z() = single_radar->yaw_rate.value;
+  }
   if (alternative && IsNearer(*alternative, *doppler, sources_.speed())) doppler = alternative;
   const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
   if (doppler_is_sound) {
@@ -134,11 +139,18 @@ void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
   }
 }
 
-// What is reported late was true then. Since then the vehicle has become faster as Doppler says.
-double EgoMotion::WheelSpeedNow_mps(const EgoVelocity& late) const {
-  if (!late_.delay_s()) return late.linear_mps.x();
-  const std::chrono::nanoseconds delay(std::llround(1e9 * late_.delay_s()->value));
-  return late.linear_mps.x() + acceleration_.Gain_mps(delay);
+// Of a single radar, which is refuted where the gyroscope was found to be right.
+std::optional<SingleRadarReading> EgoMotion::YawRateBesideGyroscope(
+    const RadarModel& radar, const std::optional<EgoVelocity>& reported,
+    const std::optional<DopplerEgoVelocity>& doppler) {
+  if (simultaneous_scans_.size() != 1 || !reported || !doppler) return std::nullopt;
+  SingleRadarYawRate& yaw_rate = recent_[radar.id].yaw_rate;
+  if (!sources_.IsSound(OdometrySource::kDoppler) && !YawRateIsDisputed())
+    yaw_rate.OnMountChanged();
+  const EgoVelocity& seen = doppler->ego_velocity;
+  return yaw_rate.OnYawRates(seen.linear_mps.x(), radar.T_vehicle_radar.translation_m.x(),
+                             {seen.angular_radps.z(), (*seen.covariance)(5, 5)},
+                             reported->angular_radps.z());
 }
 
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
@@ -198,7 +210,7 @@ void EgoMotion::Diagnose(const std::optional<EgoVelocity>& reported) {
           wheel_speed_diagnosis_);
   compare(OdometrySource::kYawRate, reported->angular_radps.z(), sources_.yaw_rate().value,
           yaw_rate_diagnosis_);
-  if (is_held() || !sources_.IsSound(OdometrySource::kYawRate)) return;
+  if (is_held() || YawRateIsDisputed() || !sources_.IsSound(OdometrySource::kYawRate)) return;
   velocity_for_mounts_ = reported;
   if (!sources_.IsSound(OdometrySource::kWheelSpeed)) {
     velocity_for_mounts_->linear_mps = {sources_.speed().value, 0.0, 0.0};
@@ -223,62 +235,6 @@ SourceHealth EgoMotion::yaw_rate() const {
   SourceHealth health = HealthOf(OdometrySource::kYawRate, yaw_rate_diagnosis_);
   if (health.is_used && yaw_rate_is_reversed()) health.fault = SourceFault::kSign;
   return health;
-}
-
-// Whether the wheels differ from Doppler by more than they did, and Doppler goes on as the vehicle
-// has moved.
-bool EgoMotion::WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const {
-  const double wheels_mps = WheelSpeedNow_mps(reported);
-  const double doppler_mps = doppler.linear_mps.x();
-  const double gain_mps = acceleration_.Gain_mps(std::chrono::seconds(1));
-  if (!wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) return false;
-  const double before_mps = velocity_->linear_mps.x();
-  return std::abs(doppler_mps - before_mps) < std::abs(wheels_mps - before_mps);
-}
-
-// What the vehicle sends and Doppler are fused as far as they are sound.
-EgoVelocity EgoMotion::FromSources(const std::optional<EgoVelocity>& reported,
-                                   const std::optional<DopplerEgoVelocity>& doppler,
-                                   std::chrono::nanoseconds age) const {
-  const bool doppler_is_sound = doppler && sources_.IsSound(OdometrySource::kDoppler);
-  if (!reported && doppler_is_sound) return doppler->ego_velocity;
-  if (!reported) return doppler ? FromMonitor() : Held(age);
-  // A single moment's Doppler may be that of a mover, though most often it is sound.
-  const bool agree = doppler_is_sound && SquaredDistance(*reported, doppler->ego_velocity) <=
-                                             options_.max_squared_distance;
-  const bool wheels_are_sound = sources_.IsSound(OdometrySource::kWheelSpeed) && !wheels_leap_;
-  const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
-  if (wheels_are_sound && gyro_is_sound) {
-    return agree ? Fuse(*reported, doppler->ego_velocity) : *reported;
-  }
-  if (!doppler_is_sound) return FromMonitor();
-  // Of the reported components the sound one counts.
-  EgoVelocity sound = doppler->ego_velocity;
-  Matrix6d covariance = *sound.covariance;
-  covariance(0, 0) = std::pow(options_.unknown_speed_sigma_mps, 2);
-  covariance(5, 5) = std::pow(options_.unknown_yaw_rate_sigma_radps, 2);
-  if (wheels_are_sound) {
-    sound.linear_mps.x() = reported->linear_mps.x();
-    covariance(0, 0) = (*reported->covariance)(0, 0);
-  }
-  if (gyro_is_sound) {
-    sound.angular_radps.z() = reported->angular_radps.z();
-    covariance(5, 5) = (*reported->covariance)(5, 5);
-  }
-  sound.covariance = Matrix6d(covariance.diagonal().asDiagonal());
-  return Fuse(sound, doppler->ego_velocity);
-}
-
-// Speed and yaw rate as the sound sources have had them; otherwise vehicles move as they look.
-EgoVelocity EgoMotion::FromMonitor() const {
-  const ScalarEstimate speed = sources_.speed();
-  const ScalarEstimate yaw_rate = sources_.yaw_rate();
-  EgoVelocity velocity = WithCovariance({}, 0.0, options_.motion);
-  velocity.linear_mps.x() = speed.value;
-  velocity.angular_radps.z() = yaw_rate.value;
-  (*velocity.covariance)(0, 0) = speed.variance;
-  (*velocity.covariance)(5, 5) = yaw_rate.variance;
-  return velocity;
 }
 
 void EgoMotion::ApplyCorrection() {
@@ -336,24 +292,6 @@ std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative(std::size_t ra
   return AlternativePlace{.motion = *motion, .T_used_alternative = Exp(step)};
 }
 
-EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
-  EgoVelocity corrected = reported;
-  corrected.linear_mps *= errors_.scale();
-  corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
-  EgoVelocity result = WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
-  if (const std::optional<double> share = wheel_scale_.UnconfirmedChange()) {
-    (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
-  }
-  // One that is held was true when it first came.
-  const double age_s = SecondsOf(outdated_by_);
-  (*result.covariance)(0, 0) += std::pow(options_.motion.acceleration_sigma_mps2 * age_s, 2);
-  (*result.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);
-  // A bias that is being learned afresh may still be anything.
-  double& variance = (*result.covariance)(5, 5);
-  variance = std::max(variance, std::pow(errors_.yaw_rate_bias_sigma_radps(), 2));
-  return result;
-}
-
 // The newest scan of each radar, as far as they are of one moment.
 std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
                                                const RadarModel& radar) {
@@ -378,22 +316,6 @@ std::span<const RadarScan> EgoMotion::Remember(const Scan& scan, Stamp stamp,
     simultaneous_scans_[i].speed_gain_mps = acceleration_.Gain_mps(moment_ - (stamp - ages_[i]));
   }
   return simultaneous_scans_;
-}
-
-EgoVelocity EgoMotion::Held(std::chrono::nanoseconds age) const {
-  EgoVelocity held = velocity_.value_or(EgoVelocity{});
-  if (!velocity_) {
-    Vector6d sigmas;
-    sigmas << options_.unknown_speed_sigma_mps, options_.unknown_lateral_sigma_mps,
-        options_.unknown_vertical_sigma_mps, options_.unknown_tilt_rate_sigma_radps,
-        options_.unknown_tilt_rate_sigma_radps, options_.unknown_yaw_rate_sigma_radps;
-    held.covariance = sigmas.cwiseAbs2().asDiagonal();
-    return held;
-  }
-  const double age_s = std::chrono::duration<double>(age).count();
-  (*held.covariance)(0, 0) += std::pow(options_.motion.acceleration_sigma_mps2 * age_s, 2);
-  (*held.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);
-  return held;
 }
 
 }  // namespace dcloc

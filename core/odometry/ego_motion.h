@@ -17,6 +17,7 @@
 #include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
 #include "core/odometry/rig_knowledge.h"
+#include "core/odometry/single_radar_yaw_rate.h"
 #include "core/odometry/source_diagnosis.h"
 #include "core/odometry/source_fault.h"
 #include "core/odometry/source_monitor.h"
@@ -149,6 +150,10 @@ class EgoMotion {
     sources_.OnRegistrationLost();
     errors_.OnDiscontinuity();
   }
+  /// The mount of this radar has been corrected.
+  void OnMountCorrected(const std::string& radar_id) {
+    recent_[radar_id].yaw_rate.OnMountChanged();
+  }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
   void ResetErrors() {
     errors_ = OdometryErrorFilter(options_.error_filter);
@@ -166,6 +171,9 @@ class EgoMotion {
   /// The most by which a probable set of sources differs along-track from the motion that was used
   /// since a registration was last accepted [m]: b_along of METHOD eq 49.
   double along_track_spread_m() const { return spread_.along_track_bound_m; }
+
+  /// The most by which such a set differs in how far the vehicle has turned since then [rad].
+  double turn_spread_rad() const { return spread_.turn_bound_rad; }
 
   /// By how far wheels and Doppler have moved apart along-track while nothing says which of them is
   /// right [m].
@@ -202,9 +210,13 @@ class EgoMotion {
     Scan scan;
     Stamp stamp{};
     const RadarModel* radar = nullptr;
+    SingleRadarYawRate yaw_rate = {};
   };
 
   std::span<const RadarScan> Remember(const Scan& scan, Stamp stamp, const RadarModel& radar);
+  std::optional<SingleRadarReading> YawRateBesideGyroscope(
+      const RadarModel& radar, const std::optional<EgoVelocity>& reported,
+      const std::optional<DopplerEgoVelocity>& doppler);
   EgoVelocity FromSources(const std::optional<EgoVelocity>& reported,
                           const std::optional<DopplerEgoVelocity>& doppler,
                           std::chrono::nanoseconds age) const;
@@ -223,6 +235,10 @@ class EgoMotion {
   bool follows_reports() const {
     return sources_.IsSound(OdometrySource::kWheelSpeed) &&
            sources_.IsSound(OdometrySource::kYawRate) && !wheels_leap_;
+  }
+  // Whether sources that may be sound turn the vehicle at different rates.
+  bool YawRateIsDisputed() const {
+    return std::sqrt(spread_.yaw_rate_variance) > options_.diagnosis_yaw_rate_radps;
   }
   void FollowYawRateSign(const std::optional<EgoVelocity>& reported,
                          const DopplerEgoVelocity* doppler);

@@ -40,6 +40,8 @@ std::span<const OptionField<OdometryErrorFilterOptions>> FieldsOf(
       {"max_squared_sigmas", &O::max_squared_sigmas, 1e-6, 1e6},
       {"innovation_prior_count", &O::innovation_prior_count, 1e-6, 1e6},
       {"usual_squared_sigmas", &O::usual_squared_sigmas, 1e-6, 1e6},
+      {"missed_squared_sigmas", &O::missed_squared_sigmas, 0, 1e6,
+       "the filter's pose begins again at each registration"},
       {"max_yaw_rate_bias_radps", &O::max_yaw_rate_bias_radps, 0, 1,
        "the bias does not change at once"},
       {"max_change_interval_ms", &O::max_change_interval, 0, 1e5, "no change at once is found"},
@@ -136,7 +138,10 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   const Eigen::Vector3d apart(apart_in_space(0), apart_in_space(1), apart_in_space(5));
   const Eigen::Vector3d innovation = apart - time_offset_s_ * velocity_;
   const Eigen::Matrix3d predicted = by_states * covariance_ * by_states.transpose();
-  noise *= InnovationScale(innovation.dot((predicted + noise).ldlt().solve(innovation)) / kPose);
+  const double squared_sigmas =
+      innovation.dot((predicted + noise).ldlt().solve(innovation)) / kPose;
+  const Eigen::Matrix3d usual_noise = noise;
+  noise *= InnovationScale(squared_sigmas);
 
   const Eigen::Matrix<double, kStates, kPose> gain =
       (predicted + noise).ldlt().solve(by_states * covariance_).transpose();
@@ -146,6 +151,7 @@ void OdometryErrorFilter::OnPose(const Pose3& T_map_vehicle, const Eigen::Matrix
   TakeConstants(step);
   const Covariance keep = Covariance::Identity() - gain * by_states;
   covariance_ = keep * covariance_ * keep.transpose() + gain * noise * gain.transpose();
+  if (squared_sigmas > options_.missed_squared_sigmas) StartAt(T_map_vehicle, usual_noise);
 }
 
 void OdometryErrorFilter::OnScale(const ScalarEstimate& scale) {

@@ -37,6 +37,9 @@ struct OdometryErrorFilterOptions {
   double max_squared_sigmas = 9.0;             ///< the most that one counts
   double innovation_prior_count = 3.0;         ///< innovations of 1 that the mean begins as
   double usual_squared_sigmas = 3.0;           ///< a single one beyond this widens its own noise
+  /// After one beyond this the filter's pose begins again where the vehicle was registered: no
+  /// constant makes so much of a moment, as a turn does that a faulty gyroscope has missed.
+  double missed_squared_sigmas = 25.0;
   /// When the bias is said to have changed at once, and not to have drifted.
   TwoSidedCusumOptions change;
   /// What is further off is no error of a zero, and is not corrected.

@@ -12,11 +12,12 @@
 namespace dcloc {
 
 /// What the vehicle says, corrected, and what Doppler says, for the comparison of sources. The yaw
-/// rate of a single radar is that of a vehicle without side slip at its frame's origin; it may be
-/// used, but is no evidence against a gyroscope.
+/// rate of a single radar is that of a vehicle without side slip at its frame's origin: evidence
+/// against a gyroscope is what SingleRadarYawRate makes of it, `single_radar`.
 inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
                                    const std::optional<DopplerEgoVelocity>& doppler,
                                    const std::optional<DopplerEgoVelocity>& alternative,
+                                   const std::optional<SingleRadarReading>& single_radar,
                                    std::size_t radar_count) {
   const auto speed_of = [](const EgoVelocity& velocity) {
     return ScalarEstimate{velocity.linear_mps.x(), (*velocity.covariance)(0, 0)};
@@ -32,6 +33,7 @@ inline OdometryReadings ReadingsOf(const std::optional<EgoVelocity>& reported,
   if (doppler) {
     readings.doppler_speed = speed_of(doppler->ego_velocity);
     if (radar_count > 1) readings.doppler_yaw_rate = yaw_rate_of(doppler->ego_velocity);
+    readings.single_radar = single_radar;
     readings.doppler_direction_count = doppler->direction_count;
     readings.moving_direction_count = doppler->moving_direction_count;
     readings.standing_direction_count = doppler->standing_direction_count;

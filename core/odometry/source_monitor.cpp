@@ -14,6 +14,9 @@ constexpr auto kWheelSpeed = static_cast<std::size_t>(OdometrySource::kWheelSpee
 constexpr auto kYawRate = static_cast<std::size_t>(OdometrySource::kYawRate);
 constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 
+// A turn that changes by no more deviations is usual.
+constexpr double kUsualSigmas = 3.0;
+
 double SquareOf(double value) { return value * value; }
 
 double LogNormal(double difference, double variance) {
@@ -63,6 +66,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"direction_factor", &O::direction_factor, 1e-3, 1},
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
+      {"knocked_radar_rate_hz", &O::knocked_radar_rate_hz, 1e-12, 10},
       {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
       {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0.1, 1000},
       {"max_unseen_direction_count", &O::max_unseen_direction_count, 0, 36,
@@ -115,17 +119,17 @@ SourceMonitor::SourceMonitor(const SourceMonitorOptions& options,
   used_ = best().sound;
 }
 
+bool SourceMonitor::SaysStanding(const std::optional<ScalarEstimate>& speed) const {
+  return speed && std::abs(speed->value) <= kStandingSigmas * std::max(options_.min_speed_sigma_mps,
+                                                                       std::sqrt(speed->variance));
+}
+
 void SourceMonitor::Begin(const OdometryReadings& readings) {
   const OdometrySources all(kHypothesisCount - 1);
-  const bool doppler_stands =
-      readings.doppler_speed &&
-      std::abs(readings.doppler_speed->value) <=
-          SourceMonitor::kStandingSigmas *
-              std::max(options_.min_speed_sigma_mps, std::sqrt(readings.doppler_speed->variance));
   const Transitions transitions =
       TransitionsIn(SecondsOf(options_.start_span), readings.doppler_direction_count,
-                    doppler_stands ? options_.standing_doppler_failure_rate_hz
-                                   : options_.min_doppler_failure_rate_hz);
+                    SaysStanding(readings.doppler_speed) ? options_.standing_doppler_failure_rate_hz
+                                                         : options_.min_doppler_failure_rate_hz);
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
   }
@@ -164,6 +168,15 @@ OdometryReadings SourceMonitor::WithFloors(const OdometryReadings& readings) con
   floor_yaw_rate(floored.yaw_rate);
   floor_yaw_rate(floored.doppler_yaw_rate);
   floor_yaw_rate(floored.alternative_yaw_rate);
+  if (floored.single_radar) {
+    ScalarEstimate& yaw_rate = floored.single_radar->yaw_rate;
+    yaw_rate = Floored(yaw_rate, options_.min_yaw_rate_sigma_radps);
+  }
+  // Range rates that are all 0, as compensated ones are, agree with a gyroscope on a straight road.
+  if (SaysStanding(floored.doppler_speed) && !SaysStanding(floored.wheel_speed)) {
+    floored.doppler_yaw_rate.reset();
+    floored.single_radar.reset();
+  }
   return floored;
 }
 
@@ -175,8 +188,10 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (!compared_ || joins) Begin(readings);
   if (joins) ForgetStates();
   const double duration_s = compared_ ? SecondsOf(stamp - *compared_) : 0.0;
-  const Transitions transitions = TransitionsIn(duration_s, readings.doppler_direction_count,
-                                                options_.min_doppler_failure_rate_hz);
+  const Transitions transitions =
+      TransitionsIn(duration_s, readings.doppler_direction_count,
+                    MayBeKnocked(readings) ? options_.knocked_radar_rate_hz
+                                           : options_.min_doppler_failure_rate_hz);
   Hypotheses next;
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     next[i] = MostProbablePredecessor(OdometrySources(i), duration_s, transitions);
@@ -208,7 +223,7 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (readings.wheel_speed) last_reported_.wheel_speed = stamp;
   if (readings.yaw_rate) last_reported_.yaw_rate = stamp;
   if (readings.doppler_speed) last_reported_.doppler_speed = stamp;
-  if (readings.doppler_yaw_rate) last_reported_.doppler_yaw_rate = stamp;
+  if (readings.doppler_yaw_rate || readings.single_radar) last_reported_.doppler_yaw_rate = stamp;
 }
 
 // Hypotheses that explain the readings equally well stay as probable as they are unless a
@@ -225,51 +240,6 @@ void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
   DoubtFastReverse();
   hypotheses_[refuted].log_weight = -options_.max_log_ratio;
   Normalize();
-}
-
-// One mover is seen in few directions: the more there are, the less often Doppler fails.
-SourceMonitor::Transitions SourceMonitor::TransitionsIn(double duration_s, int direction_count,
-                                                        double min_doppler_failure_rate_hz) const {
-  const double further = std::max(0, direction_count - options_.narrow_direction_count);
-  const double rarer = std::pow(options_.direction_factor, further);
-  return {.wheel_failure = Change(options_.wheel_failure_rate_hz, duration_s),
-          .yaw_rate_failure = Change(options_.yaw_rate_failure_rate_hz, duration_s),
-          .bus_failure = Change(options_.bus_failure_rate_hz, duration_s),
-          .second_bus_failure = Change(options_.second_bus_failure_rate_hz, duration_s),
-          .doppler_failure = Change(
-              std::max(min_doppler_failure_rate_hz, options_.doppler_failure_rate_hz * rarer),
-              duration_s),
-          .recovery = Change(options_.recovery_rate_hz, duration_s)};
-}
-
-SourceMonitor::Change::Change(double rate_hz, double duration_s)
-    : log_stay(-rate_hz * duration_s),
-      log_change(std::log(std::max(1e-12, 1.0 - std::exp(-rate_hz * duration_s)))) {}
-
-// Of the sources that fail, recover, or stay as they are.
-double SourceMonitor::LogTransition(const OdometrySources& before, const OdometrySources& after,
-                                    const Transitions& transitions) {
-  const auto log_of = [&](std::size_t source, const Change& failure, const Change& recovery) {
-    const Change& change = before[source] ? failure : recovery;
-    return before[source] == after[source] ? change.log_stay : change.log_change;
-  };
-  double log_probability = log_of(kDoppler, transitions.doppler_failure, transitions.recovery);
-  const bool both_sound = before[kWheelSpeed] && before[kYawRate];
-  const bool both_failed = !before[kWheelSpeed] && !before[kYawRate];
-  if (both_sound && !after[kWheelSpeed] && !after[kYawRate]) {
-    return log_probability + transitions.bus_failure.log_change;
-  }
-  if (both_failed && after[kWheelSpeed] && after[kYawRate]) {
-    return log_probability + transitions.recovery.log_change;
-  }
-  // Else the other one has failed already.
-  log_probability +=
-      log_of(kWheelSpeed, both_sound ? transitions.wheel_failure : transitions.second_bus_failure,
-             transitions.recovery);
-  log_probability +=
-      log_of(kYawRate, both_sound ? transitions.yaw_rate_failure : transitions.second_bus_failure,
-             transitions.recovery);
-  return log_probability;
 }
 
 // METHOD eq 42: of the hypotheses that may have become this one, the most probable, carried on.
@@ -323,6 +293,23 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
           before_.doppler_yaw_rate, yaw_acceleration_radps2, options_.yaw_rate_range_radps,
           hypothesis.yaw_rate);
+  if (readings.single_radar && hypothesis.sound[kDoppler]) {
+    UpdateBySingleRadar(hypothesis, *readings.single_radar);
+  }
+}
+
+// Its turn contradicts a gyroscope, or says nothing of it. Without one it is what is known; but a
+// turn that begins faster than vehicles begin one is that of a radar that was knocked.
+void SourceMonitor::UpdateBySingleRadar(Hypothesis& hypothesis, const SingleRadarReading& reading) {
+  if (hypothesis.sound[kYawRate]) {
+    hypothesis.log_weight -=
+        0.5 * SquareOf(reading.beyond_gyroscope_radps) / reading.yaw_rate.variance;
+  } else {
+    const double squared_sigmas = SquareOf(reading.yaw_rate.value - hypothesis.yaw_rate.value) /
+                                  (reading.yaw_rate.variance + hypothesis.yaw_rate.variance);
+    hypothesis.log_weight -= 0.5 * std::max(0.0, squared_sigmas - SquareOf(kUsualSigmas));
+    KalmanUpdate(reading.yaw_rate, hypothesis.yaw_rate);
+  }
 }
 
 void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,

@@ -12,6 +12,7 @@
 #include "core/geometry/pose.h"
 #include "core/odometry/motion.h"
 #include "core/odometry/scalar_estimate.h"
+#include "core/odometry/single_radar_yaw_rate.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
@@ -33,12 +34,14 @@ inline bool Contains(const OdometrySources& sources, OdometrySource source) {
 struct OdometryReadings {
   std::optional<ScalarEstimate> wheel_speed;
   std::optional<ScalarEstimate> yaw_rate;
-  std::optional<ScalarEstimate> doppler_speed;  ///< there exactly when doppler_yaw_rate is
-  std::optional<ScalarEstimate> doppler_yaw_rate;
+  std::optional<ScalarEstimate> doppler_speed;
+  std::optional<ScalarEstimate> doppler_yaw_rate;  ///< there only when doppler_speed is
+  /// There only when doppler_speed and yaw_rate are, and doppler_yaw_rate is not.
+  std::optional<SingleRadarReading> single_radar;
   /// What the targets say that contradict those of `doppler_speed`, where they agree among
   /// themselves: of the two, one is a convoy's, and the hypotheses choose.
   std::optional<ScalarEstimate> alternative_speed;
-  std::optional<ScalarEstimate> alternative_yaw_rate;  ///< there exactly when both others are
+  std::optional<ScalarEstimate> alternative_yaw_rate;  ///< there only when alternative_speed is
   /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
   /// view is seen in few.
   int doppler_direction_count = 0;
@@ -74,9 +77,10 @@ struct SourceMonitorOptions {
   int narrow_direction_count = 5;
   double direction_factor = 0.5;              ///< on Doppler's rate for each further direction
   double min_doppler_failure_rate_hz = 1e-6;  ///< of Doppler, at least
+  double knocked_radar_rate_hz = 0.01;  ///< of a single radar's that contradicts the gyroscope
   /// Of Doppler by which the vehicle stands, in the time before the first comparison: its range
   /// rates may be compensated by the ego-motion, or there may be none.
-  double standing_doppler_failure_rate_hz = 0.02;
+  double standing_doppler_failure_rate_hz = 0.2;
   double recovery_rate_hz = 0.3;  ///< of a failed source to become sound
   /// The time before the first comparison in which sources may have failed. For as long after it,
   /// a radar that joins the Doppler makes it a source that was not heard yet.
@@ -205,6 +209,7 @@ class SourceMonitor {
     double along_track_variance_m2 = 0.0;  ///< about the motion that was used
     double turn_variance_rad2 = 0.0;
     double along_track_bound_m = 0.0;  ///< the most that a hypothesis differs by along-track
+    double turn_bound_rad = 0.0;       ///< and the most by which it has turned otherwise
   };
   Spread CurrentSpread() const;
 
@@ -281,8 +286,14 @@ class SourceMonitor {
                               const Transitions& transitions);
   Hypothesis MostProbablePredecessor(const OdometrySources& sound, double duration_s,
                                      const Transitions& transitions) const;
+  bool SaysStanding(const std::optional<ScalarEstimate>& speed) const;
   OdometryReadings WithFloors(const OdometryReadings& readings) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings, double duration_s) const;
+  // One that contradicts the gyroscope may have been knocked, and sees as much as before.
+  static bool MayBeKnocked(const OdometryReadings& readings) {
+    return readings.single_radar && readings.single_radar->beyond_gyroscope_radps > 0.0;
+  }
+  static void UpdateBySingleRadar(Hypothesis& hypothesis, const SingleRadarReading& reading);
   void Begin(const OdometryReadings& readings);
   bool Joins(Stamp stamp, const OdometryReadings& readings);
   void ForgetStates();

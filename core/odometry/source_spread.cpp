@@ -124,8 +124,9 @@ SourceMonitor::Spread SourceMonitor::CurrentSpread() const {
       yaw_rate_sum += weight;
       spread.yaw_rate_variance +=
           weight * std::pow(hypothesis.yaw_rate.value - best().yaw_rate.value, 2);
-      spread.turn_variance_rad2 +=
-          weight * std::pow(hypothesis.unapplied.turn_rad - best().unapplied.turn_rad, 2);
+      const double unapplied_rad = hypothesis.unapplied.turn_rad - best().unapplied.turn_rad;
+      spread.turn_variance_rad2 += weight * std::pow(unapplied_rad, 2);
+      spread.turn_bound_rad = std::max(spread.turn_bound_rad, std::abs(unapplied_rad));
     }
   }
   if (speed_sum > 0.0) {

@@ -281,6 +281,9 @@ TEST(TrackingStateMachineTest, AnUncertainPoseIsNotCalledTracking) {
   EXPECT_EQ(state.Report(kTrackingOptions.tracking_sigma_m), LocalizationState::kTracking);
   EXPECT_EQ(state.Report(kTrackingOptions.tracking_sigma_m + 0.01),
             LocalizationState::kDeadReckoning);
+  EXPECT_EQ(state.Report(0.1, kTrackingOptions.tracking_sigma_rad), LocalizationState::kTracking);
+  EXPECT_EQ(state.Report(0.1, kTrackingOptions.tracking_sigma_rad + 0.01),
+            LocalizationState::kDeadReckoning);
   EXPECT_EQ(state.mode(), TrackingMode::kConfirmed);
 }
 

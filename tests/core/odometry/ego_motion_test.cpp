@@ -223,6 +223,22 @@ TEST(EgoMotionTest, AYawRateOfTheOtherSignIsFoundInACurve) {
   EXPECT_EQ(motion.yaw_rate(), (SourceHealth{.is_used = true, .fault = SourceFault::kSign}));
 }
 
+// One radar alone cannot know that it was not knocked. So nobody knows how far the vehicle turns.
+TEST(EgoMotionTest, ATurnThatTheGyroscopeMissesIsInDoubt) {
+  EgoMotion motion;
+  const auto advance = [&](int scan_number, double yaw_rate_radps) {
+    Scan scan = Seen(77 * scan_number, Planar(5.0, yaw_rate_radps));
+    scan.ego_velocity = Planar(5.0, 0.0);
+    motion.Advance(scan, kRadar);
+  };
+  for (int i = 0; i < 40; ++i) advance(i, 0.0);
+  EXPECT_LT(motion.turn_spread_rad(), 0.001);
+  EXPECT_TRUE(motion.velocity_for_mounts().has_value());
+  for (int i = 40; i < 46; ++i) advance(i, 0.08 * (i - 39));  // as a vehicle begins to turn
+  EXPECT_GT(motion.turn_spread_rad(), 0.05) << "of the 0.13 that it is";
+  EXPECT_FALSE(motion.velocity_for_mounts().has_value()) << "no mount is learned by it";
+}
+
 TEST(EgoMotionTest, TheLastVelocityIsHeldEverLessCertain) {
   EgoMotion motion;
   Scan scan = Empty(0);

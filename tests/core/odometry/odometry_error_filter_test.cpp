@@ -46,6 +46,9 @@ class Drive {
 
   void Become(const Faults& faults) { faults_ = faults; }
   void JumpInMap() { T_map_vehicle_.translation_m.x() += 500.0; }
+  void TurnUnreported(double turn_rad) {
+    T_map_vehicle_ = T_map_vehicle_ * Embed(Pose2{.yaw_rad = turn_rad});
+  }
 
  private:
   static constexpr double kScan_s = 0.1;
@@ -268,6 +271,21 @@ TEST(OdometryErrorFilterTest, ABiasIsLearnedFromPosesThatAreDoubtedInBetween) {
   };
   EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDoubt), 0.0175, 0.002);
   EXPECT_NEAR(bias_after(&OdometryErrorFilter::OnDiscontinuity), 0.0, 0.002) << "at other places";
+}
+
+// A gyroscope that was dead in a turn. What came of it is no bias, however long it is compared.
+TEST(OdometryErrorFilterTest, ATurnThatWasNotReportedTeachesNoBias) {
+  OdometryErrorFilter errors({});
+  Drive drive({.yaw_rate_bias_radps = 0.002});
+  for (int second = 0; second < 30; ++second) drive.Second(errors);
+  for (int second = 0; second < 3; ++second) {
+    drive.TurnUnreported(0.5);
+    drive.Second(errors);
+  }
+  for (int second = 0; second < 60; ++second) {
+    drive.Second(errors);
+    ASSERT_NEAR(errors.yaw_rate_bias_radps(), 0.002, 0.001) << second;
+  }
 }
 
 // The speed of others stands in for that of wheels that are set aside.

@@ -7,6 +7,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace dcloc {
@@ -327,6 +328,40 @@ double SpeedOfWhoPullsAway(int standing_direction_count) {
 TEST(SourceMonitorTest, WhoStandsSeesSomethingThatStandsStill) {
   EXPECT_NEAR(SpeedOfWhoPullsAway(0), 2.0 * 0.077 * 39, 0.5);
   EXPECT_NEAR(SpeedOfWhoPullsAway(4), 0.0, 0.5) << "the queue beside it pulls away";
+}
+
+// On a straight road compensated range rates agree with the gyroscope, of many radars well.
+TEST(SourceMonitorTest, RangeRatesOfZeroAgreeWithNothing) {
+  Vehicle vehicle;
+  vehicle.turn_radps = 0.0;
+  vehicle.Drive(3.0, [](OdometryReadings& readings) {
+    readings.doppler_speed = Speed(0.0, 0.02);
+    readings.doppler_yaw_rate = Speed(0.0, 0.005);
+    readings.doppler_direction_count = 30;
+    readings.doppler_radar_count = 5;
+  });
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kWheelSpeed));
+  EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kDoppler));
+}
+
+TEST(SourceMonitorTest, ASingleRadarAndRegistrationsFindADeadGyroscope) {
+  const auto alone = [](OdometryReadings& readings) {
+    readings.single_radar = {.yaw_rate = *std::exchange(readings.doppler_yaw_rate, std::nullopt)};
+  };
+  Vehicle vehicle;
+  vehicle.turn_radps = 0.4;
+  vehicle.is_registered = true;
+  vehicle.Drive(10.0, alone);
+  EXPECT_FALSE(vehicle.found_wrong_after_s.has_value());
+  vehicle.Drive(1.5, [&](OdometryReadings& readings) {
+    alone(readings);
+    readings.yaw_rate->value = 0.0;
+    readings.single_radar->beyond_gyroscope_radps =
+        std::max(0.0, std::abs(readings.single_radar->yaw_rate.value) - 0.1);
+  });
+  EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kYawRate));
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kDoppler));
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kWheelSpeed));
 }
 
 }  // namespace
