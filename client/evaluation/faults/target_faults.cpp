@@ -1,6 +1,7 @@
 #include "client/evaluation/faults/target_faults.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <random>
@@ -36,13 +37,20 @@ void KeepRows(std::vector<float>& column, const std::vector<std::size_t>& rows) 
   column = std::move(kept);
 }
 
+std::array<std::vector<float>*, 9> Columns(Scan& scan) {
+  return {&scan.range_m,
+          &scan.range_rate_mps,
+          &scan.azimuth_rad,
+          &scan.elevation_rad,
+          &scan.rcs_dbsm,
+          &scan.range_sigma_m,
+          &scan.range_rate_sigma_mps,
+          &scan.azimuth_sigma_rad,
+          &scan.elevation_sigma_rad};
+}
+
 void KeepRows(Scan& scan, const std::vector<std::size_t>& rows) {
-  for (std::vector<float>* column :
-       {&scan.range_m, &scan.range_rate_mps, &scan.azimuth_rad, &scan.elevation_rad, &scan.rcs_dbsm,
-        &scan.range_sigma_m, &scan.range_rate_sigma_mps, &scan.azimuth_sigma_rad,
-        &scan.elevation_sigma_rad}) {
-    KeepRows(*column, rows);
-  }
+  for (std::vector<float>* column : Columns(scan)) KeepRows(*column, rows);
 }
 
 enum class Whose { kOneRadar, kAllRadars };
@@ -125,6 +133,24 @@ void BiasRange(Stream& stream, const Window& window, const std::optional<std::st
   });
 }
 
+void AddOwnBody(Stream& stream, const Window& window, std::uint64_t seed) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<float> range_m(1.0F, 15.0F);
+  std::normal_distribution<float> range_rate_mps(0.0F, 0.05F);
+  ChangeScansOf(stream, window, std::nullopt, [&](Scan& scan) {
+    const std::size_t count = scan.size();
+    for (std::vector<float>* column : Columns(scan)) {
+      if (!column->empty()) column->resize(2 * count);
+      if (!column->empty())
+        std::copy_n(column->begin(), count, column->begin() + std::ptrdiff_t(count));
+    }
+    for (std::size_t row = count; row < 2 * count; ++row) {
+      scan.range_m[row] = range_m(random);
+      scan.range_rate_mps[row] = range_rate_mps(random);
+    }
+  });
+}
+
 void BlockView(Stream& stream, const Window& window, const std::optional<std::string>& radar_id,
                double reach_m) {
   ChangeScansOf(stream, window, radar_id, [&](Scan& scan) {
@@ -151,6 +177,8 @@ std::vector<Fault> TargetFaults() {
   };
   const Change bias = [](Stream& stream, const Window& window, const RadarId& radar_id,
                          std::uint64_t) { BiasRange(stream, window, radar_id, 1.0); };
+  const Change own_body = [](Stream& stream, const Window& window, const RadarId&,
+                             std::uint64_t seed) { AddOwnBody(stream, window, seed); };
   const Change block = [](Stream& stream, const Window& window, const RadarId& radar_id,
                           std::uint64_t) { BlockView(stream, window, radar_id, 8.0); };
   faults.push_back(MakeTargetFault("frozen-10s", "one radar repeats its last scan for 10 s", 10.0,
@@ -168,6 +196,9 @@ std::vector<Fault> TargetFaults() {
                                    Whose::kAllRadars, ghosts));
   faults.push_back(MakeTargetFault("range-1m", "one radar's ranges 1 m long", std::nullopt,
                                    Whose::kOneRadar, bias));
+  faults.push_back(MakeTargetFault("own-body", "half of all targets move along with the vehicle",
+                                   std::nullopt, Whose::kAllRadars, own_body));
+  faults.back().begin_s = 0.0;
   faults.push_back(MakeTargetFault("blocked-10s", "all radars see 8 m far for 10 s", 10.0,
                                    Whose::kAllRadars, block));
   return faults;

@@ -31,6 +31,10 @@ void ReplaceByGhosts(Stream& stream, const Window& window,
 void BiasRange(Stream& stream, const Window& window, const std::optional<std::string>& radar_id,
                double bias_m);
 
+/// Each radar sees as many targets again, within 15 m, that move along with the vehicle: a bumper,
+/// a trailer, rain on the cover.
+void AddOwnBody(Stream& stream, const Window& window, std::uint64_t seed);
+
 /// Only targets within `reach_m` are seen, as through mud.
 void BlockView(Stream& stream, const Window& window, const std::optional<std::string>& radar_id,
                double reach_m);

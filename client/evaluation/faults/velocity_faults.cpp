@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
+#include "client/simulation/simulation_options.h"
 #include "core/geometry/degrees.h"
 
 namespace dcloc::faults {
@@ -69,6 +70,13 @@ Fault MakeVelocityFault(const std::string& id, std::string label, std::optional<
           .apply = std::move(apply)};
 }
 
+Fault FromTheStart(Fault fault) {
+  fault.id += "-start";
+  fault.label += ", from the start";
+  fault.begin_s = 0.0;
+  return fault;
+}
+
 Fault::Apply Scaling(double linear_factor, double angular_factor) {
   return [=](Stream& stream, const Window& window, std::uint64_t) {
     ScaleVelocity(stream, window, linear_factor, angular_factor);
@@ -92,6 +100,15 @@ void AddZeroAndFrozen(std::vector<Fault>& faults) {
   }
 }
 
+// A gyroscope, or the whole bus, that is dead.
+void AddDead(std::vector<Fault>& faults) {
+  faults.push_back(
+      MakeVelocityFault("yaw-zero", "yaw rate 0 from then on", std::nullopt, Scaling(1.0, 0.0)));
+  faults.push_back(FromTheStart(faults.back()));
+  faults.push_back(MakeVelocityFault("all-zero", "speed and yaw rate 0 from then on", std::nullopt,
+                                     Scaling(0.0, 0.0)));
+}
+
 // Driven wheels that spin, also where the vehicle stands.
 void AddSpin(std::vector<Fault>& faults) {
   faults.push_back(MakeVelocityFault(
@@ -104,11 +121,7 @@ void AddScales(std::vector<Fault>& faults) {
     faults.push_back(MakeVelocityFault(absl::StrCat("scale-", factor),
                                        absl::StrCat("speed times ", factor), std::nullopt,
                                        Scaling(factor, 1.0)));
-    Fault always = faults.back();
-    always.id += "-start";
-    always.label += ", from the start";
-    always.begin_s = 0.0;
-    faults.push_back(std::move(always));
+    faults.push_back(FromTheStart(faults.back()));
   }
 }
 
@@ -151,11 +164,28 @@ void AddSignsAndBiases(std::vector<Fault>& faults) {
   faults.push_back(std::move(kmh));
   faults.push_back(MakeVelocityFault("yaw-sign", "sign of the yaw rate wrong", std::nullopt,
                                      Scaling(1.0, -1.0)));
+  faults.push_back(MakeVelocityFault("two", "speed times 1.1, and yaw rate off by 2 deg/s",
+                                     std::nullopt,
+                                     [](Stream& stream, const Window& window, std::uint64_t) {
+                                       ScaleVelocity(stream, window, 1.1, 1.0);
+                                       BiasYawRate(stream, window, 2.0 * kRadPerDeg);
+                                     }));
   Fault unsigned_speed = MakeVelocityFault(
       "unsigned", "speed without its sign for 10 s of reversing", 10.0,
       [](Stream& stream, const Window& window, std::uint64_t) { UnsignSpeed(stream, window); });
   unsigned_speed.is_reversing = true;
   faults.push_back(std::move(unsigned_speed));
+}
+
+// What many vehicles send: steps, and nothing of a speed at which the wheels' sensors see no teeth.
+void AddCoarse(std::vector<Fault>& faults) {
+  Fault coarse = MakeVelocityFault(
+      "coarse", "speed in steps of 1 km/h, none below 2.5 km/h; yaw rate in steps of 0.5 deg/s",
+      std::nullopt, [](Stream& stream, const Window& window, std::uint64_t) {
+        RoundVelocity(stream, window, kMpsPerKmh, 2.5 * kMpsPerKmh, 0.5 * kRadPerDeg);
+      });
+  coarse.begin_s = 0.0;
+  faults.push_back(std::move(coarse));
 }
 
 void AddLateAndMissing(std::vector<Fault>& faults) {
@@ -224,6 +254,16 @@ void BiasYawRate(Stream& stream, const Window& window, double bias_radps) {
                    [&](EgoVelocity& velocity) { velocity.angular_radps.z() += bias_radps; });
 }
 
+void RoundVelocity(Stream& stream, const Window& window, double step_mps, double least_mps,
+                   double step_radps) {
+  ChangeVelocities(stream, window, [&](EgoVelocity& velocity) {
+    double& speed_mps = velocity.linear_mps.x();
+    speed_mps = std::abs(speed_mps) < least_mps ? 0.0 : step_mps * std::round(speed_mps / step_mps);
+    double& yaw_rate_radps = velocity.angular_radps.z();
+    yaw_rate_radps = step_radps * std::round(yaw_rate_radps / step_radps);
+  });
+}
+
 void UnsignSpeed(Stream& stream, const Window& window) {
   ChangeVelocities(stream, window, [](EgoVelocity& velocity) {
     velocity.linear_mps.x() = std::abs(velocity.linear_mps.x());
@@ -260,10 +300,12 @@ void StateVelocitySigma(Stream& stream, const Window& window, double sigma) {
 std::vector<Fault> VelocityFaults() {
   std::vector<Fault> faults;
   AddZeroAndFrozen(faults);
+  AddDead(faults);
   AddSpin(faults);
   AddScales(faults);
   AddSmallScales(faults);
   AddSignsAndBiases(faults);
+  AddCoarse(faults);
   AddLateAndMissing(faults);
   return faults;
 }

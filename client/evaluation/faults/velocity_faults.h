@@ -26,6 +26,10 @@ void BiasSpeed(Stream& stream, const Window& window, double bias_mps);
 /// Adds `bias_radps` to the yaw rate.
 void BiasYawRate(Stream& stream, const Window& window, double bias_radps);
 
+/// Reports forward speed and yaw rate in steps, and no speed below `least_mps`.
+void RoundVelocity(Stream& stream, const Window& window, double step_mps, double least_mps,
+                   double step_radps);
+
 /// Reports the speed along the vehicle's axis without its sign.
 void UnsignSpeed(Stream& stream, const Window& window);
 

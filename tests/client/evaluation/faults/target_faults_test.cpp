@@ -73,6 +73,23 @@ TEST(TargetFaultsTest, RangesAreLongerAndStayPositive) {
   }
 }
 
+TEST(TargetFaultsTest, TheOwnBodyStandsStillBesideWhatIsSeen) {
+  Stream stream = MadeStream(3.0, 1);
+  for (StreamScan& entry : stream.scans) entry.scan.range_sigma_m.assign(10, 0.1F);
+  AddOwnBody(stream, kSecondSecond, 3);
+  for (const StreamScan& entry : stream.scans) {
+    const Scan& scan = entry.scan;
+    ASSERT_EQ(scan.size(), IsChanged(entry) ? 20U : 10U);
+    EXPECT_EQ(scan.range_sigma_m.size(), scan.size());
+    EXPECT_TRUE(scan.elevation_rad.empty());
+    EXPECT_EQ(scan.range_rate_mps[9], -9.0F);
+    for (std::size_t row = 10; row < scan.size(); ++row) {
+      EXPECT_LT(std::abs(scan.range_rate_mps[row]), 0.5F);
+      EXPECT_LE(scan.range_m[row], 15.0F);
+    }
+  }
+}
+
 TEST(TargetFaultsTest, ABlockedRadarSeesWhatIsNear) {
   Stream stream = MadeStream(3.0, 2);
   for (StreamScan& entry : stream.scans) entry.scan.range_sigma_m.assign(10, 0.1F);

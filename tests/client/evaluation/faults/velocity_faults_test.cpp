@@ -66,6 +66,18 @@ TEST(VelocityFaultsTest, BiasTheYawRate) {
   });
 }
 
+TEST(VelocityFaultsTest, RoundToStepsAndSayNothingOfASlowVehicle) {
+  Stream stream = MadeStream(3.0);
+  RoundVelocity(stream, kSecond, 0.5, 1.0, 0.02);
+  ExpectVelocities(stream, kSecond, [](const Eigen::Vector2d& was) {
+    return Eigen::Vector2d(0.5 * std::round(was.x() / 0.5), 0.02 * std::round(was.y() / 0.02));
+  });
+  RoundVelocity(stream, kSecond, 0.5, 50.0, 0.02);
+  for (const StreamScan& entry : stream.scans) {
+    EXPECT_EQ(entry.scan.ego_velocity->linear_mps.x() == 0.0, kSecond.Contains(entry.measured));
+  }
+}
+
 TEST(VelocityFaultsTest, TakeTheSignOfReversing) {
   Drive drive = Reversed(MadeDrive(1.0));
   Stream stream = StreamOf(drive, {});
