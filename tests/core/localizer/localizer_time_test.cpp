@@ -65,6 +65,33 @@ TEST_F(LocalizerTimeTest, ScansInAnyOrderWithinAQuarterOfASecondAreUsed) {
   EXPECT_LT(outcome.last_error_m, 0.3);
 }
 
+// The newest scan is always that of the radar that is wrong; those of the others are late.
+TEST_F(LocalizerTimeTest, LateScansTellThatAnotherRadarDoesNotFit) {
+  Rig rig = FrontRadar();
+  for (const char* id : {"second", "third"}) {
+    rig.radars.push_back(rig.radars[0]);
+    rig.radars.back().id = id;
+  }
+  Localizer localizer = MakeLocalizer(map_, rig, PriorAt(Start(), 0.3, 0.02));
+  int unused_count = 0;
+  int tracking_count = 0;
+  for (std::size_t i = 0; i + 3 <= drive_.size(); i += 3) {
+    for (const std::size_t later : {2, 0, 1}) {
+      Scan scan = drive_[i + later].scan;
+      scan.radar_id = rig.radars[later].id;
+      if (later == 2 && i > drive_.size() / 2) {
+        for (float& range_m : scan.range_m) range_m += 3.7F;
+      }
+      const auto answer = localizer.Localize(scan);
+      ASSERT_TRUE(answer.ok()) << answer.status();
+      if (answer->health.radars[2].fault == SourceFault::kMap) ++unused_count;
+      if (answer->state == LocalizationState::kTracking) ++tracking_count;
+    }
+  }
+  EXPECT_GT(unused_count, static_cast<int>(drive_.size()) / 4);
+  EXPECT_GT(tracking_count, static_cast<int>(drive_.size()) / 2);
+}
+
 TEST_F(LocalizerTimeTest, AClockThatIsSetCostsTwoScans) {
   for (const auto by : {milliseconds(-5000), milliseconds(-600'000)}) {
     std::vector<TrueScan> set = drive_;
