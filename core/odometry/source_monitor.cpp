@@ -173,7 +173,8 @@ OdometryReadings SourceMonitor::WithFloors(const OdometryReadings& readings) con
     yaw_rate = Floored(yaw_rate, options_.min_yaw_rate_sigma_radps);
   }
   // Range rates that are all 0, as compensated ones are, agree with a gyroscope on a straight road.
-  if (SaysStanding(floored.doppler_speed) && !SaysStanding(floored.wheel_speed)) {
+  const bool wheels_move = floored.wheel_speed && !SaysStanding(floored.wheel_speed);
+  if (wheels_move && SaysStanding(floored.doppler_speed)) {
     floored.doppler_yaw_rate.reset();
     floored.single_radar.reset();
   }
