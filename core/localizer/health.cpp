@@ -9,16 +9,17 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 
 namespace {
 
-SourceFault FaultOf(double range_rate_scale) {
-  if (range_rate_scale == 1.0) return SourceFault::kNone;
-  if (range_rate_scale == kCompensatedScale) return SourceFault::kStanding;
-  return range_rate_scale < 0.0 ? SourceFault::kSign : SourceFault::kScale;
+SourceFault FaultOf(const RangeRateError& error) {
+  if (error.is_none()) return SourceFault::kNone;
+  if (error.is_compensated()) return SourceFault::kStanding;
+  if (error.is_offset()) return SourceFault::kBias;
+  return error.scale < 0.0 ? SourceFault::kSign : SourceFault::kScale;
 }
 
 }  // namespace
 
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
-                    const AzimuthSigns& azimuth_signs, const RangeRateScales& range_rate_scales,
+                    const AzimuthSigns& azimuth_signs, const RangeRateErrors& range_rate_errors,
                     const RadarMonitor& radar_monitor) {
   Health health{
       .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
@@ -28,7 +29,7 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
                                 fault != SourceFault::kDoppler;
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
-    if (fault == SourceFault::kNone) fault = FaultOf(range_rate_scales.Whole(i));
+    if (fault == SourceFault::kNone) fault = FaultOf(range_rate_errors.Whole(i));
     health.radars.push_back(
         {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});

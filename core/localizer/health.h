@@ -7,7 +7,7 @@
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/source_fault.h"
 #include "core/online_calibration/learned_rig.h"
-#include "core/online_calibration/range_rate_scales.h"
+#include "core/online_calibration/range_rate_errors.h"
 #include "core/uncertainty/azimuth_signs.h"
 
 namespace dcloc {
@@ -31,7 +31,7 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 /// have something to put into the sub-map: it is not silent, and its targets stand still. One of
 /// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
-                    const AzimuthSigns& azimuth_signs, const RangeRateScales& range_rate_scales,
+                    const AzimuthSigns& azimuth_signs, const RangeRateErrors& range_rate_errors,
                     const RadarMonitor& radar_monitor);
 
 }  // namespace dcloc

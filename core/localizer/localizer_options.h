@@ -17,7 +17,7 @@
 #include "core/odometry/ego_motion.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/online_calibration/learned_rig.h"
-#include "core/online_calibration/range_rate_scales.h"
+#include "core/online_calibration/range_rate_errors.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/radar/static_points.h"
@@ -81,7 +81,7 @@ struct LocalizerOptions {
   AlongTrackRivalOptions along_track_rivals;
   AzimuthSignOptions azimuth_signs;
   RangeBiasOptions range_biases;
-  RangeRateScaleOptions range_rate_scales;
+  RangeRateErrorOptions range_rate_errors;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

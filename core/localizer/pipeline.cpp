@@ -126,7 +126,7 @@ void Pipeline<Dim>::RegisterSubmap(Stamp stamp, const EgoVelocity& ego_velocity,
     newest_.outcome = UpdatePose(stamp, registered, ego_velocity, workspace);
     UpdateOdometry(registered, newest_.outcome);
     if (was_confirmed && newest_.outcome == RegistrationOutcome::kAccepted) {
-      radars_.range_rate_scales.OnRegistered(stamp);
+      if (radars_.range_rate_errors.OnRegistered(stamp)) ego_motion_.OnRangeRatesCorrected();
       radars_.azimuth_signs.OnConfirmed();
       relocalizer_.OnRegistered(registered->registration.score);
       learner_.OnAccepted(
@@ -230,9 +230,9 @@ void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity&
   std::vector<RadarPoint>& points = workspace.static_points;
   const Scan& measured = AsMeasured(scan, ego_velocity, workspace);
   StaticPoints(measured, radar, ego_velocity, EffectiveStaticPoints(options_), points);
-  RangeRateScales& scales = radars_.range_rate_scales;
+  RangeRateErrors& scales = radars_.range_rate_errors;
   scales.OnScan(stamp, radar_index, measured, points.size(), radar, ego_velocity);
-  if (scales.Supposed(radar_index) != 1.0) {
+  if (!scales.Supposed(radar_index).is_none()) {
     workspace.rescaled_scan = measured;
     CorrectRangeRates(scales.Supposed(radar_index), radar, ego_velocity, workspace.rescaled_scan);
     StaticPoints(workspace.rescaled_scan, radar, ego_velocity, EffectiveStaticPoints(options_),

@@ -24,7 +24,7 @@
 #include "core/localizer/workspace.h"
 #include "core/odometry/ego_motion.h"
 #include "core/online_calibration/learned_rig.h"
-#include "core/online_calibration/range_rate_scales.h"
+#include "core/online_calibration/range_rate_errors.h"
 #include "core/radar/repeated_targets.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
@@ -210,7 +210,7 @@ class Pipeline final : public AnyPipeline {
           repeated_targets(learned.rig().radars.size()),
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
           range_biases(learned.rig().radars.size(), options.range_biases),
-          range_rate_scales(learned.rig().radars.size(), options.range_rate_scales),
+          range_rate_errors(learned.rig().radars.size(), options.range_rate_errors),
           scan_checker(learned.rig().radars.size(), options.map_fit) {
       if (map.stamp_delay_s) learned.BeginToLearnStamps(*map.stamp_delay_s);
     }
@@ -220,7 +220,7 @@ class Pipeline final : public AnyPipeline {
     RepeatedTargets repeated_targets;
     AzimuthSigns azimuth_signs;
     RangeBiases range_biases;
-    RangeRateScales range_rate_scales;
+    RangeRateErrors range_rate_errors;
     ScanChecker<Dim> scan_checker;
     std::optional<RangeTrial> range_trial;  // of their biases, since nothing was found
     StampError stamp_error;                 // of the newest scan

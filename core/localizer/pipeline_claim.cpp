@@ -46,7 +46,7 @@ template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   Localization answer{.stamp = scan.stamp, .quality = newest_.quality};
   answer.health = ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs,
-                               radars_.range_rate_scales, radars_.monitor);
+                               radars_.range_rate_errors, radars_.monitor);
   answer.resets = claims_.reset_counter.resets();
   answer.quality.live_point_count = static_cast<int>(live_.submap.point_count());
   answer.quality.beta = learner_.CheckBeta(radars_.learned.IndexOf(scan.radar_id));
@@ -73,7 +73,7 @@ template <int Dim>
 double Pipeline<Dim>::AlongTrackSpread_m() const {
   const double spread_m = ego_motion_.along_track_spread_m();
   if (ego_motion_.sources().IsRuledOut(OdometrySource::kDoppler)) return spread_m;
-  return spread_m + radars_.range_rate_scales.disputed_distance_m();
+  return spread_m + radars_.range_rate_errors.disputed_distance_m();
 }
 
 // METHOD eq 57. A stamp that is off by a time is a position that is off along-track.

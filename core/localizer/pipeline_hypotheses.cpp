@@ -250,12 +250,12 @@ template <int Dim>
 const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace) const {
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
-  const double scale = radars_.range_rate_scales.Learned(radar_index);
-  const bool is_scaled = scale != 1.0 && scale != kCompensatedScale;  // see AsMeasured
+  const RangeRateError& error = radars_.range_rate_errors.Learned(radar_index);
+  const bool is_scaled = !error.is_none() && !error.is_compensated();  // see AsMeasured
   const bool turns_other_way = ego_motion_.yaw_rate_is_reversed() && scan.ego_velocity.has_value();
   if (!is_mirrored && !is_scaled && !turns_other_way) return scan;
   workspace.corrected_scan = scan;
-  if (is_scaled) DivideRangeRates(scale, workspace.corrected_scan);
+  if (is_scaled) CorrectRangeRates(error, workspace.corrected_scan);
   if (is_mirrored) {
     for (float& azimuth_rad : workspace.corrected_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
   }
@@ -265,7 +265,7 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
 
 template <int Dim>
 const Scan& Pipeline<Dim>::TellingMotion(const Scan& scan, Workspace<Dim>& workspace) const {
-  if (radars_.range_rate_scales.TellsMotion(radars_.learned.IndexOf(scan.radar_id))) return scan;
+  if (radars_.range_rate_errors.TellsMotion(radars_.learned.IndexOf(scan.radar_id))) return scan;
   workspace.motionless_scan = WithoutTargets(scan);
   return workspace.motionless_scan;
 }
@@ -274,7 +274,7 @@ template <int Dim>
 const Scan& Pipeline<Dim>::AsMeasured(const Scan& scan, const EgoVelocity& ego_velocity,
                                       Workspace<Dim>& workspace) const {
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
-  if (radars_.range_rate_scales.TellsMotion(radar_index)) return scan;
+  if (radars_.range_rate_errors.TellsMotion(radar_index)) return scan;
   workspace.measured_scan = scan;
   AddEgoMotion(rig().radars[radar_index], ego_velocity, workspace.measured_scan);
   return workspace.measured_scan;

@@ -62,7 +62,7 @@ void Pipeline<Dim>::GiveUpFailedPose(Stamp stamp) {
   PoseEstimate<3> now = ToSpace<Dim>(pose_.Now(), options_.unobserved);
   const TrackingFailure failure = tracking_.GiveUpIfFailed(stamp, HorizontalSigma(now.covariance));
   if (failure == TrackingFailure::kNone) return;
-  radars_.range_rate_scales.OnLost();
+  if (radars_.range_rate_errors.OnLost()) ego_motion_.OnRangeRatesCorrected();
   if (failure == TrackingFailure::kContradicted) {
     now.covariance.diagonal() += ContradictedVariances(options_);
     // Scale, bias and noise were learned from poses at a wrong place.

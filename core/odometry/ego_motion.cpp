@@ -47,8 +47,8 @@ void EgoMotion::Restore(const RigKnowledge& known) {
 }
 
 void EgoMotion::AddTo(RigKnowledge& known) const {
-  known.wheel_scale = errors_.LearnedScale();
-  known.yaw_rate_correction = errors_.LearnedYawRateBias();
+  known.wheel_scale = errors_.in_use().LearnedScale();
+  known.yaw_rate_correction = errors_.in_use().LearnedYawRateBias();
   known.odometry_delay = late_.delay_s();
 }
 
@@ -70,15 +70,22 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
     const bool was_late = late_.delay_s().has_value();
     if (!is_held()) late_.OnReported(stamp, *scan.ego_velocity);
     if (late_.delay_s().has_value() != was_late) {  // the scale was learned of another moment
-      errors_.OnScaleChange({.variance = std::pow(options_.error_filter.scale_sigma, 2)});
+      errors_.ForgetScale(options_.error_filter.scale_sigma);
       wheel_scale_ = WheelScaleMonitor(options_.wheel_scale);
     }
-    reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity));
+    reported = late_.WithDelayUncertainty(Corrected(*scan.ego_velocity, errors_.by_doppler()));
   }
   const std::optional<SingleRadarReading> single_radar =
       YawRateBesideGyroscope(radar, reported, doppler);
-  sources_.OnReadings(
-      stamp, ReadingsOf(reported, doppler, alternative, single_radar, simultaneous_scans_.size()));
+  OdometryReadings readings =
+      ReadingsOf(reported, doppler, alternative, single_radar, simultaneous_scans_.size());
+  if (reported && errors_.without_doppler()) {
+    readings.doppler_multiple = errors_.by_doppler().scale() / errors_.without_doppler()->scale();
+  }
+  sources_.OnReadings(stamp, readings);
+  errors_.OnDopplersSoundness(sources_.IsSound(OdometrySource::kDoppler),
+                              sources_.IsRuledOut(OdometrySource::kDoppler) ||
+                                  sources_.IsCertain(OdometrySource::kDoppler));
   if (single_radar && !sources_.IsSound(OdometrySource::kYawRate)) {
     doppler->ego_velocity.angular_radps.z() = single_radar->yaw_rate.value;
   }
@@ -92,7 +99,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   wheels_leap_ = reported && doppler_is_sound && WheelsLeap(*reported, doppler->ego_velocity);
   FollowWheelScale(stamp, reported, doppler_is_sound ? &*doppler : nullptr);
   if (reported) {
-    reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity),
+    reported = late_.ExtrapolatedToNow(stamp, Corrected(*scan.ego_velocity, errors_.in_use()),
                                        doppler_is_sound ? &doppler->ego_velocity : nullptr,
                                        sources_.sound());
   }
@@ -145,12 +152,15 @@ std::optional<SingleRadarReading> EgoMotion::YawRateBesideGyroscope(
     const std::optional<DopplerEgoVelocity>& doppler) {
   if (simultaneous_scans_.size() != 1 || !reported || !doppler) return std::nullopt;
   SingleRadarYawRate& yaw_rate = recent_[radar.id].yaw_rate;
-  if (!sources_.IsSound(OdometrySource::kDoppler) && !YawRateIsDisputed())
+  const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
+  if (!sources_.IsSound(OdometrySource::kDoppler) && gyro_is_sound && !YawRateIsDisputed()) {
     yaw_rate.OnMountChanged();
+  }
   const EgoVelocity& seen = doppler->ego_velocity;
-  return yaw_rate.OnYawRates(seen.linear_mps.x(), radar.T_vehicle_radar.translation_m.x(),
-                             {seen.angular_radps.z(), (*seen.covariance)(5, 5)},
-                             reported->angular_radps.z());
+  return yaw_rate.OnYawRates(
+      seen.linear_mps.x(), radar.T_vehicle_radar.translation_m.x(),
+      {seen.angular_radps.z(), (*seen.covariance)(5, 5)},
+      {.yaw_rate_radps = reported->angular_radps.z(), .is_sound = gyro_is_sound});
 }
 
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
@@ -161,15 +171,20 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
       doppler->direction_count <= options_.sources.narrow_direction_count) {
     return wheel_scale_.OnUnsound();
   }
-  const auto change = wheel_scale_.OnSpeeds(stamp, WheelSpeedNow_mps(*reported) / errors_.scale(),
-                                            doppler->ego_velocity.linear_mps.x());
-  if (const auto scale = wheel_scale_.TakeScale()) errors_.OnScale(*scale);
+  const auto change =
+      wheel_scale_.OnSpeeds(stamp, WheelSpeedNow_mps(*reported) / errors_.by_doppler().scale(),
+                            doppler->ego_velocity.linear_mps.x());
+  if (const auto scale = wheel_scale_.TakeScale()) {
+    errors_.OnDopplersScale(*scale);
+    sources_.OnDopplersScaleChange(0.0);
+  }
   if (!change) return;
-  scale_correction_m_ =
-      change->share.value *
-      std::copysign(std::min(errors_.scale() * change->distance_m, unobserved_distance_m_),
-                    reported->linear_mps.x());
-  errors_.OnScaleChange(change->share);
+  scale_correction_m_ = change->share.value *
+                        std::copysign(std::min(errors_.by_doppler().scale() * change->distance_m,
+                                               unobserved_distance_m_),
+                                      reported->linear_mps.x());
+  errors_.OnDopplersScaleChange(change->share);
+  sources_.OnDopplersScaleChange(scale_correction_m_);
 }
 
 // Of a gyroscope that is set aside, too: it may be taken back once its bias is known. Wheels that

@@ -16,6 +16,7 @@
 #include "core/odometry/motion.h"
 #include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
+#include "core/odometry/odometry_errors.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/odometry/single_radar_yaw_rate.h"
 #include "core/odometry/source_diagnosis.h"
@@ -154,9 +155,15 @@ class EgoMotion {
   void OnMountCorrected(const std::string& radar_id) {
     recent_[radar_id].yaw_rate.OnMountChanged();
   }
+  /// The range rates of a radar are corrected otherwise from now on. What Doppler has told of the
+  /// wheels is of no account.
+  void OnRangeRatesCorrected() {
+    errors_.OnDopplersSoundness(/*is_sound=*/false, /*is_certain=*/true);
+    wheel_scale_.ForgetRatio();
+  }
   /// The poses given so far were wrong: scale and yaw-rate bias are estimated anew.
   void ResetErrors() {
-    errors_ = OdometryErrorFilter(options_.error_filter);
+    errors_ = OdometryErrors(options_.error_filter);
     wheel_scale_.TellScaleAgain();
   }
 
@@ -224,7 +231,7 @@ class EgoMotion {
   bool WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppler) const;
   EgoVelocity FromMonitor() const;
   EgoVelocity Held(std::chrono::nanoseconds age) const;
-  EgoVelocity Corrected(const EgoVelocity& reported) const;
+  EgoVelocity Corrected(const EgoVelocity& reported, const OdometryErrorFilter& errors) const;
   void Learn(const std::optional<EgoVelocity>& reported, const EgoVelocity& now,
              std::chrono::nanoseconds age);
   void FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& reported,
@@ -250,7 +257,7 @@ class EgoMotion {
   SourceHealth HealthOf(OdometrySource source, const SourceDiagnosis& diagnosis) const;
 
   EgoMotionOptions options_;
-  OdometryErrorFilter errors_;
+  OdometryErrors errors_;
   SourceMonitor sources_;
   LateOdometry late_;
   WheelScaleMonitor wheel_scale_;

@@ -20,16 +20,18 @@ bool EgoMotion::WheelsLeap(const EgoVelocity& reported, const EgoVelocity& doppl
   const double wheels_mps = WheelSpeedNow_mps(reported);
   const double doppler_mps = doppler.linear_mps.x();
   const double gain_mps = acceleration_.Gain_mps(std::chrono::seconds(1));
-  if (!wheel_scale_.IsUnusual(wheels_mps / errors_.scale(), doppler_mps, gain_mps)) return false;
+  if (!wheel_scale_.IsUnusual(wheels_mps / errors_.by_doppler().scale(), doppler_mps, gain_mps))
+    return false;
   const double before_mps = velocity_->linear_mps.x();
   return std::abs(doppler_mps - before_mps) < std::abs(wheels_mps - before_mps);
 }
 
-EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
+EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported,
+                                 const OdometryErrorFilter& errors) const {
   EgoVelocity corrected = reported;
-  corrected.linear_mps *= errors_.scale();
-  corrected.angular_radps.z() += errors_.yaw_rate_bias_radps();
-  EgoVelocity result = WithCovariance(corrected, errors_.scale_sigma(), options_.motion);
+  corrected.linear_mps *= errors.scale();
+  corrected.angular_radps.z() += errors.yaw_rate_bias_radps();
+  EgoVelocity result = WithCovariance(corrected, errors.scale_sigma(), options_.motion);
   if (const std::optional<double> share = wheel_scale_.UnconfirmedChange()) {
     (*result.covariance)(0, 0) += std::pow(*share * corrected.linear_mps.x(), 2);
   }
@@ -39,7 +41,7 @@ EgoVelocity EgoMotion::Corrected(const EgoVelocity& reported) const {
   (*result.covariance)(5, 5) += std::pow(options_.motion.yaw_acceleration_sigma_radps2 * age_s, 2);
   // A bias that is being learned afresh may still be anything.
   double& variance = (*result.covariance)(5, 5);
-  variance = std::max(variance, std::pow(errors_.yaw_rate_bias_sigma_radps(), 2));
+  variance = std::max(variance, std::pow(errors.yaw_rate_bias_sigma_radps(), 2));
   return result;
 }
 

@@ -23,7 +23,8 @@ constexpr double kMaxOffset_m = 1.5;
 
 std::optional<SingleRadarReading> SingleRadarYawRate::OnYawRates(double speed_mps, double ahead_m,
                                                                  const ScalarEstimate& doppler,
-                                                                 double gyroscope_radps) {
+                                                                 const Gyroscope& gyroscope) {
+  const double gyroscope_radps = gyroscope.yaw_rate_radps;
   if (std::abs(ahead_m) < kMinAhead_m) return std::nullopt;
   const double yaw_rate_radps = doppler.value - angle_rad_.mean * speed_mps / ahead_m;
   const double turn_radps = std::sqrt(std::abs(doppler.value * gyroscope_radps));
@@ -31,7 +32,7 @@ std::optional<SingleRadarReading> SingleRadarYawRate::OnYawRates(double speed_mp
   const double beyond_radps =
       std::max(0.0, std::abs(yaw_rate_radps - gyroscope_radps) - most_mps / std::abs(ahead_m));
   const bool is_known = angle_rad_.count >= kMinCount;
-  if (speed_mps >= kMinSpeed_mps && (beyond_radps == 0.0 || !is_known)) {
+  if (gyroscope.is_sound && speed_mps >= kMinSpeed_mps && (beyond_radps == 0.0 || !is_known)) {
     angle_rad_.Add((doppler.value - gyroscope_radps) * ahead_m / speed_mps, kForgettingFactor);
   }
   if (!is_known) return std::nullopt;

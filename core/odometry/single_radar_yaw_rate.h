@@ -23,12 +23,17 @@ struct SingleRadarReading {
 /// (METHOD section 15).
 class SingleRadarYawRate {
  public:
+  struct Gyroscope {
+    double yaw_rate_radps;
+    bool is_sound;  ///< of one that is not, nothing is learned
+  };
+
   /// A moment's readings: the forward speed, Doppler's yaw rate by a radar that sits `ahead_m` of
   /// the origin, the gyroscope's. Nothing until the two have agreed for a while, or where the radar
   /// sits at the origin.
   std::optional<SingleRadarReading> OnYawRates(double speed_mps, double ahead_m,
                                                const ScalarEstimate& doppler,
-                                               double gyroscope_radps);
+                                               const Gyroscope& gyroscope);
 
   /// The radar looks elsewhere now, or its mount was corrected: by how much is learned anew.
   void OnMountChanged() { angle_rad_ = {}; }

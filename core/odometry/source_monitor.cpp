@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "core/radar/stamp.h"
 
@@ -18,10 +17,6 @@ constexpr auto kDoppler = static_cast<std::size_t>(OdometrySource::kDoppler);
 constexpr double kUsualSigmas = 3.0;
 
 double SquareOf(double value) { return value * value; }
-
-double LogNormal(double difference, double variance) {
-  return -0.5 * (difference * difference / variance + std::log(2.0 * std::numbers::pi * variance));
-}
 
 double LogDensity(const ScalarEstimate& reading, const ScalarEstimate& state) {
   return LogNormal(reading.value - state.value, state.variance + reading.variance);
@@ -47,6 +42,11 @@ double FailedLogDensity(const ScalarEstimate& reading, const std::optional<Scala
   return std::log(unchanged_fraction * unchanged + (1.0 - unchanged_fraction) * anything);
 }
 
+std::optional<ScalarEstimate> Divided(std::optional<ScalarEstimate> reading, double divisor) {
+  if (reading) reading->value /= divisor;  // as uncertain, so that as probable
+  return reading;
+}
+
 ScalarEstimate Floored(const ScalarEstimate& reading, double sigma) {
   return {reading.value, std::max(reading.variance, sigma * sigma)};
 }
@@ -67,6 +67,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"bus_failure_rate_hz", &O::bus_failure_rate_hz, 1e-9, 10},
       {"min_doppler_failure_rate_hz", &O::min_doppler_failure_rate_hz, 1e-12, 10},
       {"knocked_radar_rate_hz", &O::knocked_radar_rate_hz, 1e-12, 10},
+      {"doppler_scale_change_probability", &O::doppler_scale_change_probability, 1e-12, 1},
       {"standing_doppler_failure_rate_hz", &O::standing_doppler_failure_rate_hz, 1e-9, 100},
       {"max_reverse_speed_mps", &O::max_reverse_speed_mps, 0.1, 1000},
       {"max_unseen_direction_count", &O::max_unseen_direction_count, 0, 36,
@@ -95,6 +96,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"min_probability_ratio", &O::min_probability_ratio, 1e-12, 1, "the best hypothesis is sure"},
       {"min_registered_interval_ms", &O::min_registered_interval, 1, 1e5},
       {"max_registered_interval_ms", &O::max_registered_interval, 1, 1e6},
+      {"decisive_log_ratio", &O::decisive_log_ratio, 0, 100, "each registration counts besides"},
       {"registered_sigma_m", &O::registered_sigma_m, 1e-6, 100},
       {"registered_sigma_rad", &O::registered_sigma_rad, 1e-6, 1},
       {"max_trial_spans", &O::max_trial_spans, 1, 1000},
@@ -132,6 +134,7 @@ void SourceMonitor::Begin(const OdometryReadings& readings) {
                                                          : options_.min_doppler_failure_rate_hz);
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.log_weight = LogTransition(all, hypothesis.sound, transitions);
+    hypothesis.log_evidence = 0.0;
   }
 }
 
@@ -281,14 +284,27 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   };
   const double acceleration_mps2 = options_.acceleration_sigma_mps2;
   const double yaw_acceleration_radps2 = options_.yaw_acceleration_sigma_radps2;
-  compare(kWheelSpeed, readings.wheel_speed, before_.wheel_speed, acceleration_mps2,
+  const auto wheel_speed = [&](const OdometryReadings& of) {
+    return hypothesis.sound[kDoppler] ? of.wheel_speed
+                                      : Divided(of.wheel_speed, of.doppler_multiple);
+  };
+  compare(kWheelSpeed, wheel_speed(readings), wheel_speed(before_), acceleration_mps2,
           options_.speed_range_mps, hypothesis.speed);
   // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
   const bool takes_alternative = hypothesis.sound[kDoppler] && readings.alternative_speed &&
                                  LogDensity(*readings.alternative_speed, hypothesis.speed) >
                                      LogDensity(*readings.doppler_speed, hypothesis.speed);
+  // One that errs by a constant share tells the speed as well as one that does not.
+  const bool may_err_by_share = !hypothesis.sound[kDoppler] && hypothesis.sound[kWheelSpeed] &&
+                                readings.doppler_speed && readings.doppler_multiple != 1.0;
+  Hypothesis by_share = hypothesis;
   compare(kDoppler, takes_alternative ? readings.alternative_speed : readings.doppler_speed,
           before_.doppler_speed, acceleration_mps2, options_.speed_range_mps, hypothesis.speed);
+  if (may_err_by_share) {
+    by_share.log_weight +=
+        KalmanUpdate(*Divided(readings.doppler_speed, readings.doppler_multiple), by_share.speed);
+    if (by_share.log_weight > hypothesis.log_weight) hypothesis = by_share;
+  }
   compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
           options_.yaw_rate_range_radps, hypothesis.yaw_rate);
   compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
@@ -311,59 +327,6 @@ void SourceMonitor::UpdateBySingleRadar(Hypothesis& hypothesis, const SingleRada
     hypothesis.log_weight -= 0.5 * std::max(0.0, squared_sigmas - SquareOf(kUsualSigmas));
     KalmanUpdate(reading.yaw_rate, hypothesis.yaw_rate);
   }
-}
-
-void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
-                                   const RegistrationEvidence& evidence) {
-  if (!newest_) return;
-  if (evidence.is_accepted) {
-    for (Hypothesis& hypothesis : hypotheses_) {
-      hypothesis.unapplied.turn_rad = 0.0;
-      if (evidence.observes_along_track) hypothesis.unapplied.forward_m = 0.0;
-    }
-    accepted_or_tried_ = newest_;
-    trial_count_ = 1;
-  }
-  if (registered_) {
-    const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
-    if (interval < options_.min_registered_interval) return;
-    if (interval <= options_.max_registered_interval) {
-      CompareWithRegistration(T_map_vehicle, evidence);
-    }
-  }
-  registered_ = {*newest_, T_map_vehicle, evidence.observes_along_track};
-  unseen_s4_ = 0.0;
-  for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
-}
-
-// METHOD eq 44: the motion between two registrations against each hypothesis' own; along-track as
-// far as both observe that.
-void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
-                                            const RegistrationEvidence& evidence) {
-  const double duration_s = SecondsOf(*newest_ - registered_->stamp);
-  const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
-  const bool compares_along_track =
-      registered_->observes_along_track && evidence.observes_along_track;
-  const double range_m = options_.speed_range_mps * duration_s;
-  const double range_rad = options_.yaw_rate_range_radps * duration_s;
-  for (Hypothesis& hypothesis : hypotheses_) {
-    const double along_track_variance_m2 = 2.0 * SquareOf(options_.registered_sigma_m) +
-                                           hypothesis.speed.variance * SquareOf(duration_s) +
-                                           SquareOf(options_.acceleration_sigma_mps2) * unseen_s4_;
-    const double turn_variance_rad2 = 2.0 * SquareOf(options_.registered_sigma_rad) +
-                                      hypothesis.yaw_rate.variance * SquareOf(duration_s) +
-                                      SquareOf(options_.yaw_acceleration_sigma_radps2) * unseen_s4_;
-    const double along_track_m = moved(0) - hypothesis.since_registered.forward_m;
-    const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
-    const double along_track_density =
-        compares_along_track ? std::exp(LogNormal(along_track_m, along_track_variance_m2))
-                             : 1.0 / range_m;
-    const double density = along_track_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
-    const double anything = 1.0 / (range_m * range_rad);
-    hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
-                                      options_.false_registration_fraction * anything);
-  }
-  Normalize();
 }
 
 void SourceMonitor::Normalize() {

@@ -50,6 +50,9 @@ struct OdometryReadings {
   int moving_direction_count = 0;
   int standing_direction_count = 0;
   std::size_t doppler_radar_count = 0;  ///< radars whose scans the Doppler is of
+  /// Doppler has told the wheels' scale. If it errs, it says this multiple of the speed, and so do
+  /// the wheels by that scale.
+  double doppler_multiple = 1.0;
 };
 
 /// What a registration says of the motion before it.
@@ -77,6 +80,9 @@ struct SourceMonitorOptions {
   int narrow_direction_count = 5;
   double direction_factor = 0.5;              ///< on Doppler's rate for each further direction
   double min_doppler_failure_rate_hz = 1e-6;  ///< of Doppler, at least
+  /// That Doppler has changed where it is suddenly another multiple of the wheels' speed, by as
+  /// much as the wheels' scale may have changed instead.
+  double doppler_scale_change_probability = 0.2;
   double knocked_radar_rate_hz = 0.01;  ///< of a single radar's that contradicts the gyroscope
   /// Of Doppler by which the vehicle stands, in the time before the first comparison: its range
   /// rates may be compensated by the ego-motion, or there may be none.
@@ -130,6 +136,9 @@ struct SourceMonitorOptions {
   std::chrono::nanoseconds min_registered_interval = std::chrono::milliseconds(500);
   /// The longest time between two registrations that are compared.
   std::chrono::nanoseconds max_registered_interval = std::chrono::milliseconds(3000);
+  /// Registrations that differ by more, in log-likelihood, between hypotheses that are not
+  /// improbable have told: the next ones count besides.
+  double decisive_log_ratio = 2.0;
   double registered_sigma_m = 0.15;     ///< std. dev. of one registration's position along-track
   double registered_sigma_rad = 0.004;  ///< std. dev. of one registration's heading
   double false_registration_fraction = 0.02;  ///< share of the registrations that are false
@@ -160,6 +169,10 @@ class SourceMonitor {
   /// Takes in what the sources say at `stamp`, which is not before the last one.
   void OnReadings(Stamp stamp, const OdometryReadings& readings);
 
+  /// Doppler, which is sound, has told another scale of the wheels, by which the vehicle is
+  /// `forward_m` from where it was taken to be at the last readings. If Doppler errs, it is not.
+  void OnDopplersScaleChange(double forward_m);
+
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
   /// it an outlier against the estimate or not: the estimate is made of the sources. An accepted
   /// registration clears the unapplied correction, as far as it observes it.
@@ -178,6 +191,9 @@ class SourceMonitor {
 
   /// Whether each hypothesis by which `source` is sound is improbable beside the best one.
   bool IsRuledOut(OdometrySource source) const;
+
+  /// Whether each hypothesis by which it is not sound is improbable.
+  bool IsCertain(OdometrySource source) const;
 
   /// Probability of `sound()`, [0, 1].
   double confidence() const;
@@ -236,6 +252,7 @@ class SourceMonitor {
     double previous_yaw_rate_radps = 0.0;
     PlanarMotion unapplied;         // beyond the motion that was used
     PlanarMotion since_registered;  // the whole motion
+    double log_evidence = 0.0;      // what the registrations of that time have added to the weight
 
     // Since the last call, by the means of both ends: half a second apart, they may differ by much.
     PlanarMotion MotionIn(double duration_s) {
@@ -300,6 +317,7 @@ class SourceMonitor {
   void DoubtFastReverse();
   void DoubtStanding(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
+  bool HasDecided() const;
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void Normalize();
 

@@ -44,6 +44,13 @@ bool SourceMonitor::IsRuledOut(OdometrySource source) const {
   });
 }
 
+bool SourceMonitor::IsCertain(OdometrySource source) const {
+  return std::ranges::all_of(hypotheses_, [&](const Hypothesis& hypothesis) {
+    return Contains(hypothesis.sound, source) ||
+           hypothesis.log_weight < std::log(options_.min_probability_ratio);
+  });
+}
+
 std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
                                                                        double turn_rad) {
   const double unseen_s2 = since_used_s_ * since_used_s_ / 8.0;
@@ -137,48 +144,6 @@ SourceMonitor::Spread SourceMonitor::CurrentSpread() const {
     spread.turn_variance_rad2 /= yaw_rate_sum;
   }
   return spread;
-}
-
-std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
-    std::size_t radar_index) const {
-  const bool was_compared =
-      radar_index < fits_compared_.size() && fits_compared_[radar_index].has_value();
-  if (was_compared && *newest_ - *fits_compared_[radar_index] < options_.interval) {
-    return std::nullopt;
-  }
-  const Hypothesis* alternative = nullptr;
-  for (const Hypothesis& hypothesis : hypotheses_) {
-    if (&hypothesis == &best() ||
-        hypothesis.log_weight < std::log(options_.min_probability_ratio) ||
-        !MeasuresSpeed(hypothesis) ||
-        std::abs(hypothesis.unapplied.forward_m - best().unapplied.forward_m) <
-            options_.min_alternative_distance_m) {
-      continue;
-    }
-    if (alternative == nullptr || hypothesis.log_weight > alternative->log_weight)
-      alternative = &hypothesis;
-  }
-  if (alternative == nullptr) return std::nullopt;
-  return PlanarMotion{.forward_m = alternative->unapplied.forward_m - best().unapplied.forward_m,
-                      .turn_rad = alternative->unapplied.turn_rad - best().unapplied.turn_rad};
-}
-
-// METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
-// sources are silent has no place of its own: it counts with the mean.
-void SourceMonitor::OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
-                           double alternative_fit) {
-  fits_compared_.resize(std::max(fits_compared_.size(), radar_index + 1));
-  fits_compared_[radar_index] = newest_;
-  for (Hypothesis& hypothesis : hypotheses_) {
-    const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
-    const bool is_alternatives =
-        std::abs(unapplied_m - alternative.forward_m) < std::abs(unapplied_m);
-    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + alternative_fit)
-                           : is_alternatives          ? alternative_fit
-                                                      : fit;
-    hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
-  }
-  Normalize();
 }
 
 }  // namespace dcloc

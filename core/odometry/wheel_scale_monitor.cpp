@@ -116,6 +116,13 @@ std::optional<ScalarEstimate> WheelScaleMonitor::TakeScale() {
   return ScalarEstimate{usual_ratio_, usual_variance_};
 }
 
+void WheelScaleMonitor::ForgetRatio() {
+  OnUnsound();
+  usual_ratio_ = 1.0;
+  usual_variance_ = 0.0;
+  usual_count_ = 0;
+}
+
 void WheelScaleMonitor::OnUnsound() {
   span_.reset();
   ForgetUnusual();

@@ -73,6 +73,9 @@ class WheelScaleMonitor {
   /// while the speed changes by `acceleration_mps2`.
   bool IsUnusual(double wheels_mps, double doppler_mps, double acceleration_mps2) const;
 
+  /// Doppler is another multiple of the speed from now on: their usual ratio is learned anew.
+  void ForgetRatio();
+
   /// One of the two is not sound: what it said of late is not compared.
   void OnUnsound();
 

@@ -13,6 +13,8 @@ constexpr double kTrialStep_rad = 1.0 * kRadPerDeg;
 // A mount is first looked for where it is expected, then anywhere.
 constexpr double kNear_rad = 3.0 * kRadPerDeg;
 constexpr double kAnywhere_rad = 95.0 * kRadPerDeg;
+constexpr double kMinRangeRate_mps = 1.0;  // of a target that tells the speed
+constexpr double kMaxSpeedFactor = 2.0;
 
 using Target = MountYawTarget;
 
@@ -58,6 +60,35 @@ class Targets {
       directions.set(static_cast<std::size_t>(target.direction));
     });
     return static_cast<int>(directions.count());
+  }
+
+  // What the speed is to be multiplied by for the targets to stand still, seen from a mount that is
+  // turned by `yaw_rad`.
+  double SpeedFactor(double yaw_rad) {
+    const double c = std::cos(yaw_rad);
+    const double s = std::sin(yaw_rad);
+    const auto predicted_mps = [&](const Target& t) {
+      return -(c * t.along_mps + s * t.across_mps);
+    };
+    const auto end = std::partition(targets_.begin(), targets_.end(), [&](const Target& t) {
+      return std::abs(predicted_mps(t)) >= kMinRangeRate_mps;
+    });
+    if (end == targets_.begin()) return 1.0;
+    const auto ratio = [&](const Target& t) {
+      const double expected_mps = predicted_mps(t);
+      return 1.0 + Residual(t, expected_mps) / expected_mps;
+    };
+    const auto middle = targets_.begin() + (end - targets_.begin()) / 2;
+    std::nth_element(targets_.begin(), middle, end,
+                     [&](const Target& a, const Target& b) { return ratio(a) < ratio(b); });
+    return ratio(*middle);
+  }
+
+  void MultiplySpeed(double factor) {
+    for (Target& t : targets_) {
+      t.along_mps *= factor;
+      t.across_mps *= factor;
+    }
   }
 
   // One step of Gauss-Newton for the angle and the speed from the inliers at `yaw_rad`.
@@ -137,7 +168,7 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
                                              const MountYawTrial& trial,
                                              const MountYawOptions& options,
                                              MountYawWorkspace& workspace) {
-  const Targets targets(scan, radar, velocity, options.max_target_count, workspace);
+  Targets targets(scan, radar, velocity, options.max_target_count, workspace);
   const auto is_enough = [&](int inlier_count) {
     return inlier_count >= options.min_inlier_count &&
            inlier_count >= options.min_inlier_fraction * static_cast<double>(targets.size());
@@ -153,6 +184,15 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
       most = count;
       best_rad = yaw_rad;
     }
+  }
+  // Where another speed explains more, it is the speed that is wrong, or the range rates.
+  const double factor =
+      std::clamp(targets.SpeedFactor(trial.expected_rad), 1.0 / kMaxSpeedFactor, kMaxSpeedFactor);
+  targets.MultiplySpeed(factor);
+  if (targets.CountInliers(trial.expected_rad, options.inlier_gate_mps) > most) {
+    best_rad = trial.expected_rad;
+  } else {
+    targets.MultiplySpeed(1.0 / factor);
   }
   if (!is_enough(most)) return std::nullopt;
   const double first_rad = targets.Refine(best_rad, options).value;

@@ -74,20 +74,23 @@ void AddMounts(std::vector<Fault>& faults) {
 }
 
 void AddRangeRates(std::vector<Fault>& faults) {
-  const auto scaling = [](double factor) {
-    return [=](Stream& stream, const Window& window, const std::string& radar_id) {
-      ScaleRangeRate(stream, window, radar_id, factor);
-    };
-  };
-  struct Scale {
+  struct Change {
     const char* id;
     const char* label;
     double factor;
+    double offset_mps;
   };
-  for (const Scale& scale : {Scale{"rate-sign", "sign of one radar's range rates wrong", -1.0},
-                             Scale{"rate-1.3", "one radar's range rates times 1.3", 1.3},
-                             Scale{"rate-0.6", "one radar's range rates times 0.6", 0.6}}) {
-    faults.push_back(MakeRadarFault(scale.id, scale.label, std::nullopt, scaling(scale.factor)));
+  for (const Change& change :
+       {Change{"rate-sign", "sign of one radar's range rates wrong", -1.0, 0.0},
+        Change{"rate-1.3", "one radar's range rates times 1.3", 1.3, 0.0},
+        Change{"rate-1.07", "one radar's range rates times 1.07", 1.07, 0.0},
+        Change{"rate-0.6", "one radar's range rates times 0.6", 0.6, 0.0},
+        Change{"rate+1mps", "one radar's range rates 1 m/s too high", 1.0, 1.0}}) {
+    faults.push_back(MakeRadarFault(
+        change.id, change.label, std::nullopt,
+        [=](Stream& stream, const Window& window, const std::string& radar_id) {
+          ChangeRangeRate(stream, window, radar_id, change.factor, change.offset_mps);
+        }));
     Fault from_start = faults.back();
     from_start.id += "-start";
     from_start.label += ", from the start";
@@ -142,11 +145,12 @@ void TurnMount(Stream& stream, const std::string& radar_id, double yaw_rad) {
   }
 }
 
-void ScaleRangeRate(Stream& stream, const Window& window, const std::string& radar_id,
-                    double factor) {
+void ChangeRangeRate(Stream& stream, const Window& window, const std::string& radar_id,
+                     double factor, double offset_mps) {
   ChangeScansOf(stream, window, radar_id, [&](Scan& scan) {
     for (float& range_rate_mps : scan.range_rate_mps) {
-      range_rate_mps = static_cast<float>(factor * static_cast<double>(range_rate_mps));
+      range_rate_mps =
+          static_cast<float>(factor * static_cast<double>(range_rate_mps) + offset_mps);
     }
   });
 }

@@ -22,9 +22,9 @@ void KnockRadar(Stream& stream, const Window& window, const std::string& radar_i
 /// The rig says that `radar_id` looks `yaw_rad` further to the left than it does; from the start.
 void TurnMount(Stream& stream, const std::string& radar_id, double yaw_rad);
 
-/// Range rates of `radar_id` are multiplied; the ranges stay.
-void ScaleRangeRate(Stream& stream, const Window& window, const std::string& radar_id,
-                    double factor);
+/// Range rates of `radar_id` are multiplied and shifted; the ranges stay.
+void ChangeRangeRate(Stream& stream, const Window& window, const std::string& radar_id,
+                     double factor, double offset_mps = 0.0);
 
 /// Every target of every radar states `sigma` as the deviation of its range [m], range rate [m/s],
 /// azimuth [rad] and, where the scan has one, elevation [rad].

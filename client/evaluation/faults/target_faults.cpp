@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "absl/strings/str_cat.h"
-#include "core/online_calibration/range_rate_scales.h"
+#include "core/online_calibration/range_rate_errors.h"
 
 namespace dcloc::faults {
 namespace {

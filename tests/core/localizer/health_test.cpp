@@ -31,7 +31,7 @@ class HealthTest : public ::testing::Test {
   static constexpr Stamp kNow{std::chrono::seconds(100)};
   LearnedRig rig_{FourRadars(), {}};
   AzimuthSigns signs_{kRadars, {}};
-  RangeRateScales scales_{kRadars, {}};
+  RangeRateErrors scales_{kRadars, {}};
   RadarMonitor monitor_{kRadars, {}};
 };
 

@@ -41,6 +41,13 @@ class SpeedsOfDrive {
   std::normal_distribution<double> normal_;
 };
 
+TEST(WheelScaleMonitorTest, RangeRatesThatAreCorrectedAreNoChange) {
+  SpeedsOfDrive drive;
+  EXPECT_TRUE(drive.Drive(60.0, 1.0).empty());
+  drive.monitor().ForgetRatio();
+  EXPECT_TRUE(drive.Drive(60.0, 1.07).empty());
+}
+
 TEST(WheelScaleMonitorTest, FindsNothingInWheelsThatAreConstantlyOff) {
   for (const double factor : {1.0, 0.9, 1.2}) {
     SpeedsOfDrive drive;

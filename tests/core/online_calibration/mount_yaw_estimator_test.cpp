@@ -57,6 +57,23 @@ TEST_F(MountYawTest, AKnockIsFoundAfterALongDrive) {
   EXPECT_NEAR(estimator_.error().value, 8.0 * kRadPerDeg, 0.6 * kRadPerDeg);
 }
 
+// Off by a share, range rates agree on one side of the view with a mount that looks aside.
+TEST_F(MountYawTest, RangeRatesThatAreOffByAShareAreNoKnock) {
+  for (const double share : {-0.07, 0.07, 0.2}) {
+    estimator_ = MountYawEstimator{0.5 * kRadPerDeg, {}};
+    Drive(0.0, 20);
+    for (int i = 0; i < 20; ++i) {
+      stamp_ += std::chrono::milliseconds(200);
+      Scan scan = SeenByTurned(radar_, 0.0, DrivingStraight(9.0), static_cast<unsigned>(++seed_));
+      for (float& range_rate_mps : scan.range_rate_mps) {
+        range_rate_mps *= static_cast<float>(1.0 + share);
+      }
+      estimator_.OnScan(stamp_, scan, radar_, DrivingStraight(9.0), workspace_);
+    }
+    EXPECT_NEAR(estimator_.error().value, 0.0, 0.5 * kRadPerDeg) << share;
+  }
+}
+
 TEST_F(MountYawTest, CurvesAndSlowDrivesGiveNoReading) {
   Drive(5.0 * kRadPerDeg, 10, DrivingStraight(1.0));
   EgoVelocity curve = DrivingStraight(12.0);

@@ -47,10 +47,10 @@ TEST(RadarFaultsTest, AKnockTurnsWhatIsSeenTheOtherWay) {
   ExpectChanged(stream, &Scan::azimuth_rad, [](double was) { return was - 0.2; });
 }
 
-TEST(RadarFaultsTest, ScaleRangeRatesAndLeaveRanges) {
+TEST(RadarFaultsTest, ChangeRangeRatesAndLeaveRanges) {
   Stream stream = MadeStream(2.0, 2);
-  ScaleRangeRate(stream, kFirstSecond, "a", -1.3);
-  ExpectChanged(stream, &Scan::range_rate_mps, [](double was) { return -1.3 * was; });
+  ChangeRangeRate(stream, kFirstSecond, "a", -1.3, 1.0);
+  ExpectChanged(stream, &Scan::range_rate_mps, [](double was) { return 1.0 - 1.3 * was; });
   ExpectChanged(stream, &Scan::range_m, [](double was) { return was; });
 }
 

@@ -1,0 +1,161 @@
+// What the map says of the sources: how registrations have moved, and where scans fit.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "core/odometry/source_monitor.h"
+#include "core/radar/stamp.h"
+
+namespace dcloc {
+namespace {
+
+constexpr auto kWheels = static_cast<std::size_t>(OdometrySource::kWheelSpeed);
+constexpr auto kRangeRates = static_cast<std::size_t>(OdometrySource::kDoppler);
+
+double Squared(double value) { return value * value; }
+
+}  // namespace
+
+// Each hypothesis with Doppler has a twin without it, which has moved alike until now.
+void SourceMonitor::OnDopplersScaleChange(double forward_m) {
+  const double log_probability = std::log(options_.doppler_scale_change_probability);
+  for (const Hypothesis& with : hypotheses_) {
+    if (!with.sound[kRangeRates] || !with.sound[kWheels]) continue;
+    OdometrySources sound = with.sound;
+    sound.reset(kRangeRates);
+    Hypothesis& without = hypotheses_[sound.to_ulong()];
+    if (without.log_weight >= with.log_weight + log_probability) continue;
+    without = with;
+    without.sound = sound;
+    without.log_weight += log_probability;
+  }
+  for (Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.sound[kRangeRates]) {
+      hypothesis.since_registered.forward_m += forward_m;
+    } else {
+      hypothesis.unapplied.forward_m -= forward_m;
+    }
+  }
+}
+
+void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
+                                   const RegistrationEvidence& evidence) {
+  if (!newest_) return;
+  if (evidence.is_accepted) {
+    for (Hypothesis& hypothesis : hypotheses_) {
+      hypothesis.unapplied.turn_rad = 0.0;
+      if (evidence.observes_along_track) hypothesis.unapplied.forward_m = 0.0;
+    }
+    accepted_or_tried_ = newest_;
+    trial_count_ = 1;
+  }
+  if (registered_) {
+    const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
+    if (interval < options_.min_registered_interval) return;
+    if (interval <= options_.max_registered_interval) {
+      CompareWithRegistration(T_map_vehicle, evidence);
+      if (evidence.observes_along_track == registered_->observes_along_track && !HasDecided()) {
+        return;
+      }
+    }
+  }
+  registered_ = {*newest_, T_map_vehicle, evidence.observes_along_track};
+  unseen_s4_ = 0.0;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.since_registered = {};
+    hypothesis.log_evidence = 0.0;
+  }
+}
+
+// Whether the registrations of late tell hypotheses apart that are not improbable.
+bool SourceMonitor::HasDecided() const {
+  double least = std::numeric_limits<double>::infinity();
+  double greatest = -least;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (hypothesis.log_weight < std::log(options_.min_probability_ratio)) continue;
+    least = std::min(least, hypothesis.log_evidence);
+    greatest = std::max(greatest, hypothesis.log_evidence);
+  }
+  return greatest - least > options_.decisive_log_ratio;
+}
+
+// METHOD eq 44: the motion between two registrations against each hypothesis' own; along-track as
+// far as both observe that. Of several with one before, the last one counts for all of them.
+void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
+                                            const RegistrationEvidence& evidence) {
+  const double duration_s = SecondsOf(*newest_ - registered_->stamp);
+  const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
+  const bool compares_along_track =
+      registered_->observes_along_track && evidence.observes_along_track;
+  const double range_m = options_.speed_range_mps * duration_s;
+  const double range_rad = options_.yaw_rate_range_radps * duration_s;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const double along_track_variance_m2 =
+        2.0 * Squared(options_.registered_sigma_m) +
+        hypothesis.speed.variance * duration_s * std::min(1.0, duration_s) +
+        Squared(options_.acceleration_sigma_mps2) * unseen_s4_;
+    const double turn_variance_rad2 =
+        2.0 * Squared(options_.registered_sigma_rad) +
+        hypothesis.yaw_rate.variance * duration_s * std::min(1.0, duration_s) +
+        Squared(options_.yaw_acceleration_sigma_radps2) * unseen_s4_;
+    const double along_track_m = moved(0) - hypothesis.since_registered.forward_m;
+    const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
+    const double along_track_density =
+        compares_along_track ? std::exp(LogNormal(along_track_m, along_track_variance_m2))
+                             : 1.0 / range_m;
+    const double density = along_track_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
+    const double anything = 1.0 / (range_m * range_rad);
+    const double log_evidence = std::log((1.0 - options_.false_registration_fraction) * density +
+                                         options_.false_registration_fraction * anything);
+    hypothesis.log_weight += log_evidence - std::exchange(hypothesis.log_evidence, log_evidence);
+  }
+  Normalize();
+}
+
+std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
+    std::size_t radar_index) const {
+  const bool was_compared =
+      radar_index < fits_compared_.size() && fits_compared_[radar_index].has_value();
+  if (was_compared && *newest_ - *fits_compared_[radar_index] < options_.interval) {
+    return std::nullopt;
+  }
+  const Hypothesis* alternative = nullptr;
+  for (const Hypothesis& hypothesis : hypotheses_) {
+    if (&hypothesis == &best() ||
+        hypothesis.log_weight < std::log(options_.min_probability_ratio) ||
+        !MeasuresSpeed(hypothesis) ||
+        std::abs(hypothesis.unapplied.forward_m - best().unapplied.forward_m) <
+            options_.min_alternative_distance_m) {
+      continue;
+    }
+    if (alternative == nullptr || hypothesis.log_weight > alternative->log_weight)
+      alternative = &hypothesis;
+  }
+  if (alternative == nullptr) return std::nullopt;
+  return PlanarMotion{.forward_m = alternative->unapplied.forward_m - best().unapplied.forward_m,
+                      .turn_rad = alternative->unapplied.turn_rad - best().unapplied.turn_rad};
+}
+
+// METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
+// sources are silent has no place of its own: it counts with the mean.
+void SourceMonitor::OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
+                           double alternative_fit) {
+  fits_compared_.resize(std::max(fits_compared_.size(), radar_index + 1));
+  fits_compared_[radar_index] = newest_;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
+    const bool is_alternatives =
+        std::abs(unapplied_m - alternative.forward_m) < std::abs(unapplied_m);
+    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + alternative_fit)
+                           : is_alternatives          ? alternative_fit
+                                                      : fit;
+    hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
+  }
+  Normalize();
+}
+
+}  // namespace dcloc
