@@ -175,8 +175,12 @@ void EgoMotion::FollowWheelScale(Stamp stamp, const std::optional<EgoVelocity>& 
       wheel_scale_.OnSpeeds(stamp, WheelSpeedNow_mps(*reported) / errors_.by_doppler().scale(),
                             doppler->ego_velocity.linear_mps.x());
   if (const auto scale = wheel_scale_.TakeScale()) {
+    const double before = errors_.by_doppler().scale();
     errors_.OnDopplersScale(*scale);
-    sources_.OnDopplersScaleChange(0.0);
+    const bool agree =
+        std::abs(errors_.by_doppler().scale() / before - 1.0) < options_.wheel_scale.min_change;
+    if (agree) errors_.OnDopplersSoundness(/*is_sound=*/true, /*is_certain=*/true);
+    if (!agree) sources_.OnDopplersScaleChange(0.0);
   }
   if (!change) return;
   scale_correction_m_ = change->share.value *

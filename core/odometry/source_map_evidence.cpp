@@ -36,6 +36,7 @@ void SourceMonitor::OnDopplersScaleChange(double forward_m) {
   for (Hypothesis& hypothesis : hypotheses_) {
     if (hypothesis.sound[kRangeRates]) {
       hypothesis.since_registered.forward_m += forward_m;
+      hypothesis.since_reference_m += forward_m;
     } else {
       hypothesis.unapplied.forward_m -= forward_m;
     }
@@ -53,22 +54,57 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
   }
+  CompareScales(T_map_vehicle, evidence);
   if (registered_) {
     const std::chrono::nanoseconds interval = *newest_ - registered_->stamp;
     if (interval < options_.min_registered_interval) return;
     if (interval <= options_.max_registered_interval) {
       CompareWithRegistration(T_map_vehicle, evidence);
-      if (evidence.observes_along_track == registered_->observes_along_track && !HasDecided()) {
-        return;
-      }
     }
   }
   registered_ = {*newest_, T_map_vehicle, evidence.observes_along_track};
   unseen_s4_ = 0.0;
+  for (Hypothesis& hypothesis : hypotheses_) hypothesis.since_registered = {};
+}
+
+// While Doppler's word of the wheels' scale is open: by few per cent hypotheses differ little
+// between neighbouring registrations, and more with one further back. Of several with that one, the
+// last one counts for all of them.
+void SourceMonitor::CompareScales(const Pose2& T_map_vehicle,
+                                  const RegistrationEvidence& evidence) {
+  if (!ScaleIsOpen()) scale_reference_.reset();
+  if (!ScaleIsOpen() || !evidence.observes_along_track) return;
+  if (scale_reference_) {
+    const std::chrono::nanoseconds interval = *newest_ - scale_reference_->stamp;
+    if (interval < options_.min_registered_interval) return;
+    if (interval <= options_.max_registered_interval) {
+      CompareWithReference(T_map_vehicle);
+      if (!HasDecided()) return;
+    }
+  }
+  scale_reference_ = {.stamp = *newest_, .T_map_vehicle = T_map_vehicle, .unseen_s4 = 0.0};
   for (Hypothesis& hypothesis : hypotheses_) {
-    hypothesis.since_registered = {};
+    hypothesis.since_reference_m = 0.0;
     hypothesis.log_evidence = 0.0;
   }
+}
+
+void SourceMonitor::CompareWithReference(const Pose2& T_map_vehicle) {
+  const double duration_s = SecondsOf(*newest_ - scale_reference_->stamp);
+  const double moved_m = Log(scale_reference_->T_map_vehicle.Inverse() * T_map_vehicle)(0);
+  const double range_m = options_.speed_range_mps * duration_s;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    // What a filter's speed errs by lasts for about a second.
+    const double variance_m2 =
+        2.0 * Squared(options_.registered_sigma_m) +
+        hypothesis.speed.variance * duration_s * std::min(1.0, duration_s) +
+        Squared(options_.acceleration_sigma_mps2) * scale_reference_->unseen_s4;
+    const double density = std::exp(LogNormal(moved_m - hypothesis.since_reference_m, variance_m2));
+    const double log_evidence = std::log((1.0 - options_.false_registration_fraction) * density +
+                                         options_.false_registration_fraction / range_m);
+    hypothesis.log_weight += log_evidence - std::exchange(hypothesis.log_evidence, log_evidence);
+  }
+  Normalize();
 }
 
 // Whether the registrations of late tell hypotheses apart that are not improbable.
@@ -84,24 +120,22 @@ bool SourceMonitor::HasDecided() const {
 }
 
 // METHOD eq 44: the motion between two registrations against each hypothesis' own; along-track as
-// far as both observe that. Of several with one before, the last one counts for all of them.
+// far as both observe that.
 void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
                                             const RegistrationEvidence& evidence) {
   const double duration_s = SecondsOf(*newest_ - registered_->stamp);
   const Tangent<2> moved = Log(registered_->T_map_vehicle.Inverse() * T_map_vehicle);
   const bool compares_along_track =
-      registered_->observes_along_track && evidence.observes_along_track;
+      registered_->observes_along_track && evidence.observes_along_track && !ScaleIsOpen();
   const double range_m = options_.speed_range_mps * duration_s;
   const double range_rad = options_.yaw_rate_range_radps * duration_s;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const double along_track_variance_m2 =
-        2.0 * Squared(options_.registered_sigma_m) +
-        hypothesis.speed.variance * duration_s * std::min(1.0, duration_s) +
-        Squared(options_.acceleration_sigma_mps2) * unseen_s4_;
-    const double turn_variance_rad2 =
-        2.0 * Squared(options_.registered_sigma_rad) +
-        hypothesis.yaw_rate.variance * duration_s * std::min(1.0, duration_s) +
-        Squared(options_.yaw_acceleration_sigma_radps2) * unseen_s4_;
+    const double along_track_variance_m2 = 2.0 * Squared(options_.registered_sigma_m) +
+                                           hypothesis.speed.variance * Squared(duration_s) +
+                                           Squared(options_.acceleration_sigma_mps2) * unseen_s4_;
+    const double turn_variance_rad2 = 2.0 * Squared(options_.registered_sigma_rad) +
+                                      hypothesis.yaw_rate.variance * Squared(duration_s) +
+                                      Squared(options_.yaw_acceleration_sigma_radps2) * unseen_s4_;
     const double along_track_m = moved(0) - hypothesis.since_registered.forward_m;
     const double turn_rad = WrapAngle(moved(2) - hypothesis.since_registered.turn_rad);
     const double along_track_density =
@@ -109,9 +143,8 @@ void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
                              : 1.0 / range_m;
     const double density = along_track_density * std::exp(LogNormal(turn_rad, turn_variance_rad2));
     const double anything = 1.0 / (range_m * range_rad);
-    const double log_evidence = std::log((1.0 - options_.false_registration_fraction) * density +
-                                         options_.false_registration_fraction * anything);
-    hypothesis.log_weight += log_evidence - std::exchange(hypothesis.log_evidence, log_evidence);
+    hypothesis.log_weight += std::log((1.0 - options_.false_registration_fraction) * density +
+                                      options_.false_registration_fraction * anything);
   }
   Normalize();
 }

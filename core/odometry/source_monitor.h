@@ -178,7 +178,10 @@ class SourceMonitor {
   /// registration clears the unapplied correction, as far as it observes it.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
-  void OnRegistrationLost() { registered_.reset(); }
+  void OnRegistrationLost() {
+    registered_.reset();
+    scale_reference_.reset();
+  }
 
   /// Which sources are sound, most probably.
   OdometrySources sound() const { return best().sound; }
@@ -250,9 +253,10 @@ class SourceMonitor {
     // At the last OnUsedMotion.
     double previous_speed_mps = 0.0;
     double previous_yaw_rate_radps = 0.0;
-    PlanarMotion unapplied;         // beyond the motion that was used
-    PlanarMotion since_registered;  // the whole motion
-    double log_evidence = 0.0;      // what the registrations of that time have added to the weight
+    PlanarMotion unapplied;          // beyond the motion that was used
+    PlanarMotion since_registered;   // the whole motion
+    double since_reference_m = 0.0;  // along-track, since `scale_reference_`
+    double log_evidence = 0.0;       // that it has added to the weight
 
     // Since the last call, by the means of both ends: half a second apart, they may differ by much.
     PlanarMotion MotionIn(double duration_s) {
@@ -317,6 +321,10 @@ class SourceMonitor {
   void DoubtFastReverse();
   void DoubtStanding(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
+  // Whether it is open if Doppler has told the right scale of the wheels.
+  bool ScaleIsOpen() const { return before_.doppler_multiple != 1.0; }
+  void CompareScales(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
+  void CompareWithReference(const Pose2& T_map_vehicle);
   bool HasDecided() const;
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void Normalize();
@@ -339,6 +347,12 @@ class SourceMonitor {
   double unseen_s4_ = 0.0;
   std::vector<std::optional<Stamp>> fits_compared_;  // by radar
   std::optional<Registered> registered_;
+  struct ScaleReference {
+    Stamp stamp;
+    Pose2 T_map_vehicle;
+    double unseen_s4;
+  };
+  std::optional<ScaleReference> scale_reference_;  // the registration that scales are compared with
   // When a registration last spoke for the best hypothesis, or its trial began, and for how many
   // spans.
   std::optional<Stamp> accepted_or_tried_;

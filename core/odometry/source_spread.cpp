@@ -55,11 +55,13 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double fo
                                                                        double turn_rad) {
   const double unseen_s2 = since_used_s_ * since_used_s_ / 8.0;
   unseen_s4_ += unseen_s2 * unseen_s2;
+  if (scale_reference_) scale_reference_->unseen_s4 += unseen_s2 * unseen_s2;
   for (Hypothesis& hypothesis : hypotheses_) {
     const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
     hypothesis.unapplied.forward_m += own.forward_m - forward_m;
     hypothesis.unapplied.turn_rad += own.turn_rad - turn_rad;
     hypothesis.since_registered.forward_m += own.forward_m;
+    hypothesis.since_reference_m += own.forward_m;
     hypothesis.since_registered.turn_rad += own.turn_rad;
   }
   if (best().sound == used_) return std::nullopt;

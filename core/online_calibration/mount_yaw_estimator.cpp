@@ -62,6 +62,27 @@ class Targets {
     return static_cast<int>(directions.count());
   }
 
+  struct Angle {
+    double yaw_rad;
+    int inlier_count;
+  };
+
+  // By which most targets are inliers; of several the one nearest to the expected one.
+  Angle BestAngle(double expected_rad, double around_rad, const MountYawOptions& options) const {
+    Angle best{.yaw_rad = expected_rad, .inlier_count = 0};
+    const auto trials = static_cast<int>(around_rad / kTrialStep_rad);
+    for (int i = -trials; i <= trials; ++i) {
+      const double yaw_rad = expected_rad + i * kTrialStep_rad;
+      const int count = CountInliers(yaw_rad, options.inlier_gate_mps);
+      if (count > best.inlier_count ||
+          (count == best.inlier_count &&
+           std::abs(i * kTrialStep_rad) < std::abs(best.yaw_rad - expected_rad))) {
+        best = {.yaw_rad = yaw_rad, .inlier_count = count};
+      }
+    }
+    return best;
+  }
+
   // What the speed is to be multiplied by for the targets to stand still, seen from a mount that is
   // turned by `yaw_rad`.
   double SpeedFactor(double yaw_rad) {
@@ -173,26 +194,18 @@ std::optional<ScalarEstimate> MountYawOfScan(const Scan& scan, const RadarModel&
     return inlier_count >= options.min_inlier_count &&
            inlier_count >= options.min_inlier_fraction * static_cast<double>(targets.size());
   };
-  int most = 0;
-  double best_rad = trial.expected_rad;
-  const auto trials = static_cast<int>(trial.around_rad / kTrialStep_rad);
-  for (int i = -trials; i <= trials; ++i) {
-    const double yaw_rad = trial.expected_rad + i * kTrialStep_rad;
-    const int count = targets.CountInliers(yaw_rad, options.inlier_gate_mps);
-    if (count > most ||
-        (count == most && std::abs(i * kTrialStep_rad) < std::abs(best_rad - trial.expected_rad))) {
-      most = count;
-      best_rad = yaw_rad;
-    }
-  }
-  // Where another speed explains more, it is the speed that is wrong, or the range rates.
+  auto [best_rad, most] = targets.BestAngle(trial.expected_rad, trial.around_rad, options);
+  // Where another speed explains more than any mount, it is the speed that is wrong, or the range
+  // rates.
   const double factor =
       std::clamp(targets.SpeedFactor(trial.expected_rad), 1.0 / kMaxSpeedFactor, kMaxSpeedFactor);
   targets.MultiplySpeed(factor);
-  if (targets.CountInliers(trial.expected_rad, options.inlier_gate_mps) > most) {
+  const int count = targets.CountInliers(trial.expected_rad, options.inlier_gate_mps);
+  targets.MultiplySpeed(1.0 / factor);
+  if (count > most && count > targets.BestAngle(0.0, kAnywhere_rad, options).inlier_count) {
+    targets.MultiplySpeed(factor);
     best_rad = trial.expected_rad;
-  } else {
-    targets.MultiplySpeed(1.0 / factor);
+    most = count;
   }
   if (!is_enough(most)) return std::nullopt;
   const double first_rad = targets.Refine(best_rad, options).value;
