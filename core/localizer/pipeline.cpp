@@ -230,11 +230,11 @@ void Pipeline<Dim>::Compensate(const Scan& scan, Stamp stamp, const EgoVelocity&
   std::vector<RadarPoint>& points = workspace.static_points;
   const Scan& measured = AsMeasured(scan, ego_velocity, workspace);
   StaticPoints(measured, radar, ego_velocity, EffectiveStaticPoints(options_), points);
-  RangeRateErrors& scales = radars_.range_rate_errors;
-  scales.OnScan(stamp, radar_index, measured, points.size(), radar, ego_velocity);
-  if (!scales.Supposed(radar_index).is_none()) {
+  RangeRateErrors& errors = radars_.range_rate_errors;
+  errors.OnScan(stamp, radar_index, measured, points.size(), radar, ego_velocity);
+  if (!errors.Supposed(radar_index).is_none()) {
     workspace.rescaled_scan = measured;
-    CorrectRangeRates(scales.Supposed(radar_index), radar, ego_velocity, workspace.rescaled_scan);
+    CorrectRangeRates(errors.Supposed(radar_index), radar, ego_velocity, workspace.rescaled_scan);
     StaticPoints(workspace.rescaled_scan, radar, ego_velocity, EffectiveStaticPoints(options_),
                  points);
   }

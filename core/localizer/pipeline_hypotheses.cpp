@@ -251,11 +251,11 @@ const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
   const RangeRateError& error = radars_.range_rate_errors.Learned(radar_index);
-  const bool is_scaled = !error.is_none() && !error.is_compensated();  // see AsMeasured
+  const bool is_off = !error.is_none() && !error.is_compensated();  // see AsMeasured
   const bool turns_other_way = ego_motion_.yaw_rate_is_reversed() && scan.ego_velocity.has_value();
-  if (!is_mirrored && !is_scaled && !turns_other_way) return scan;
+  if (!is_mirrored && !is_off && !turns_other_way) return scan;
   workspace.corrected_scan = scan;
-  if (is_scaled) CorrectRangeRates(error, workspace.corrected_scan);
+  if (is_off) CorrectRangeRates(error, workspace.corrected_scan);
   if (is_mirrored) {
     for (float& azimuth_rad : workspace.corrected_scan.azimuth_rad) azimuth_rad = -azimuth_rad;
   }
