@@ -369,10 +369,10 @@ void Pipeline<Dim>::UpdateOdometry(const std::optional<Registered>& registered,
   if (!registered) return;
   const PoseEstimate<3> T_local_vehicle =
       ToSpace<Dim>({.pose = registered->registration.T_local_vehicle}, options_.unobserved);
-  ego_motion_.OnRegistration(
-      map_.matcher.T_map_local() * T_local_vehicle.pose,
-      {.is_accepted = outcome == RegistrationOutcome::kAccepted,
-       .observes_along_track = map_.observability.Observed(VehicleAxis::kX)});
+  ego_motion_.OnRegistration(map_.matcher.T_map_local() * T_local_vehicle.pose,
+                             {.is_accepted = outcome == RegistrationOutcome::kAccepted,
+                              .observes_along_track = map_.observability.Observed(VehicleAxis::kX),
+                              .submap_age = live_.submap.span() / 2});
 }
 
 // So uncertain, where the ground repeats, that a registration would find some place that looks

@@ -48,6 +48,7 @@ void Pipeline<Dim>::OnPoseVerified(bool fits_as_usual) {
   tracking_.OnVerified();
   if (fits_as_usual) {
     radars_.scan_checker.OnConfirmed();
+    place_evidence_.OnVerified(NowInMap().pose.translation_m.template head<2>());
   } else {
     radars_.scan_checker.Reset();
   }

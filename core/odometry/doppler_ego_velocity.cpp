@@ -183,11 +183,16 @@ EgoVelocity PlanarEgoVelocity(const Vector3d& state, const Matrix3d& covariance)
           .covariance = PlanarTwistCovariance(covariance)};
 }
 
-Matrix3d FloorVariances(const EgoVelocityOptions& options) {
-  return Vector3d(std::pow(options.linear_sigma_floor_mps, 2),
-                  std::pow(options.linear_sigma_floor_mps, 2),
+Matrix3d FloorVariances(double linear_sigma_mps, const EgoVelocityOptions& options) {
+  return Vector3d(std::pow(linear_sigma_mps, 2), std::pow(linear_sigma_mps, 2),
                   std::pow(options.yaw_rate_sigma_floor_radps, 2))
       .asDiagonal();
+}
+
+double LinearSigmaFloor_mps(double speed_mps, const EgoVelocityOptions& options) {
+  return std::min(
+      options.linear_sigma_floor_mps,
+      options.crawling_sigma_floor_mps + options.linear_sigma_floor_fraction * std::abs(speed_mps));
 }
 
 // The motion that most of `rows` agree on, by at least `min_fraction` of their `votes`.
@@ -209,7 +214,7 @@ std::optional<DopplerEgoVelocity> MovingEgoVelocity(const std::vector<Row>& rows
   if (!IsWellConditioned(solution.normal, options.max_condition)) return std::nullopt;
   const Matrix3d covariance =
       std::max(1.0, solution.residual_variance) * solution.normal.inverse() +
-      FloorVariances(options);
+      FloorVariances(LinearSigmaFloor_mps(state.x(), options), options);
   DopplerEgoVelocity doppler{.ego_velocity = PlanarEgoVelocity(state, covariance),
                              .inlier_count = static_cast<int>(inliers.size()),
                              .target_count = static_cast<int>(rows.size()),
@@ -232,13 +237,17 @@ std::span<const OptionField<EgoVelocityOptions>> FieldsOf(const EgoVelocityOptio
       {"zero_gate_mps", &O::zero_gate_mps, 0, 10, "only exact zeros stand still"},
       {"max_condition", &O::max_condition, 1, 1e12},
       {"max_direction_fraction", &O::max_direction_fraction, 1e-3, 1},
+      {"crawling_sigma_floor_mps", &O::crawling_sigma_floor_mps, 0, 100,
+       "a vehicle that hardly moves is as certain as its targets say"},
+      {"linear_sigma_floor_fraction", &O::linear_sigma_floor_fraction, 0, 1,
+       "the floor is the same at each speed"},
       {"linear_sigma_floor_mps", &O::linear_sigma_floor_mps, 0, 100,
        "the estimate is as certain as its targets say"},
       {"yaw_rate_sigma_floor_radps", &O::yaw_rate_sigma_floor_radps, 0, 10,
        "the estimate is as certain as its targets say"},
       {"min_alternative_fraction", &O::min_alternative_fraction, 0.01, 1},
       {"min_alternative_direction_count", &O::min_alternative_direction_count, 0, 36,
-       "one mover can be a alternative of the ground"},
+       "one mover can be an alternative of the ground"},
   };
   return kFields;
 }
@@ -267,7 +276,8 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
   TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
   if (VotesOf(inliers) >= options.zero_fraction * votes) {
     return DopplerEgoVelocity{
-        .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(), FloorVariances(options)),
+        .ego_velocity = PlanarEgoVelocity(Vector3d::Zero(),
+                                          FloorVariances(options.linear_sigma_floor_mps, options)),
         .inlier_count = static_cast<int>(inliers.size()),
         .target_count = count,
         .direction_count = CountDirections(inliers)};

@@ -37,8 +37,11 @@ struct EgoVelocityOptions {
   /// Targets within ten degrees of one another have together at most this fraction of all votes:
   /// one mover that fills a part of the view does not outvote the rest.
   double max_direction_fraction = 1.0 / 24.0;
-  /// Floors of the estimate's deviations: what calibration errors leave however many targets.
-  double linear_sigma_floor_mps = 0.5;
+  // Floors of the estimate's deviations: what calibration errors leave however many targets. Mounts
+  // and delays err by a share of the speed.
+  double crawling_sigma_floor_mps = 0.15;     ///< linear, of a vehicle that hardly moves
+  double linear_sigma_floor_fraction = 0.05;  ///< more by this share of the speed
+  double linear_sigma_floor_mps = 0.5;        ///< up to this; and of one that stands
   double yaw_rate_sigma_floor_radps = 0.03;
   double min_alternative_fraction = 0.15;  ///< of all votes, that an alternative motion needs
   /// Directions that an alternative motion must be seen in: more than one mover fills.

@@ -64,6 +64,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   std::optional<EgoVelocity> reported;
   if (scan.ego_velocity) {
     held_velocity_.OnReported(stamp, *scan.ego_velocity);
+    repeated_yaw_rate_.OnReported(*scan.ego_velocity);
     const bool has_moved_on = std::abs(disagreement_.distance_m()) > options_.max_held_distance_m;
     if (has_moved_on || held_velocity_.IsUnusual()) held_velocity_.OnContradicted();
     outdated_by_ = doppler ? held_velocity_.age() : std::chrono::nanoseconds(0);
@@ -82,6 +83,7 @@ const EgoVelocity& EgoMotion::Advance(const Scan& scan, Stamp stamp, const Radar
   if (reported && errors_.without_doppler()) {
     readings.doppler_multiple = errors_.by_doppler().scale() / errors_.without_doppler()->scale();
   }
+  readings.yaw_rate_is_repeated = reported && repeated_yaw_rate_;
   sources_.OnReadings(stamp, readings);
   errors_.OnDopplersSoundness(sources_.IsSound(OdometrySource::kDoppler),
                               sources_.IsRuledOut(OdometrySource::kDoppler) ||
@@ -146,21 +148,26 @@ void EgoMotion::FollowYawRateSign(const std::optional<EgoVelocity>& reported,
   }
 }
 
-// Of a single radar, which is refuted where the gyroscope was found to be right.
+// Of a single radar. One whose turn contradicts a gyroscope that was found to be right is refuted.
 std::optional<SingleRadarReading> EgoMotion::YawRateBesideGyroscope(
     const RadarModel& radar, const std::optional<EgoVelocity>& reported,
     const std::optional<DopplerEgoVelocity>& doppler) {
+  constexpr double kKnockedSigmas = 3.0;  // below, it may be noise
   if (simultaneous_scans_.size() != 1 || !reported || !doppler) return std::nullopt;
   SingleRadarYawRate& yaw_rate = recent_[radar.id].yaw_rate;
   const bool gyro_is_sound = sources_.IsSound(OdometrySource::kYawRate);
-  if (!sources_.IsSound(OdometrySource::kDoppler) && gyro_is_sound && !YawRateIsDisputed()) {
-    yaw_rate.OnMountChanged();
-  }
   const EgoVelocity& seen = doppler->ego_velocity;
-  return yaw_rate.OnYawRates(
+  const std::optional<SingleRadarReading> reading = yaw_rate.OnYawRates(
       seen.linear_mps.x(), radar.T_vehicle_radar.translation_m.x(),
       {seen.angular_radps.z(), (*seen.covariance)(5, 5)},
       {.yaw_rate_radps = reported->angular_radps.z(), .is_sound = gyro_is_sound});
+  const bool contradicts = reading && reading->beyond_gyroscope_radps >
+                                          kKnockedSigmas * std::sqrt(reading->yaw_rate.variance);
+  const bool is_refuted = contradicts && gyro_is_sound &&
+                          !sources_.IsSound(OdometrySource::kDoppler) && !YawRateIsDisputed();
+  if (!is_refuted) return reading;
+  yaw_rate.OnMountChanged();
+  return std::nullopt;
 }
 
 // METHOD eq 58. What a mover may have said is no evidence against wheels.
@@ -253,6 +260,8 @@ SourceHealth EgoMotion::wheel_speed() const {
 SourceHealth EgoMotion::yaw_rate() const {
   SourceHealth health = HealthOf(OdometrySource::kYawRate, yaw_rate_diagnosis_);
   if (health.is_used && yaw_rate_is_reversed()) health.fault = SourceFault::kSign;
+  const bool is_aside = !health.is_used && health.fault != SourceFault::kSilent;
+  if (is_aside && repeated_yaw_rate_) health.fault = SourceFault::kFrozen;
   return health;
 }
 

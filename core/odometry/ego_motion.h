@@ -17,6 +17,7 @@
 #include "core/odometry/motion_history.h"
 #include "core/odometry/odometry_error_filter.h"
 #include "core/odometry/odometry_errors.h"
+#include "core/odometry/repeated_yaw_rate.h"
 #include "core/odometry/rig_knowledge.h"
 #include "core/odometry/single_radar_yaw_rate.h"
 #include "core/odometry/source_diagnosis.h"
@@ -175,11 +176,11 @@ class EgoMotion {
   /// that odometry usually has.
   const Matrix6d& spread_since_previous() const { return spread_since_previous_; }
 
-  /// The most by which a probable set of sources differs along-track from the motion that was used
-  /// since a registration was last accepted [m]: b_along of METHOD eq 49.
+  /// The most by which a probable set of sources differs along-track from the motion that was used,
+  /// as far as no registration has seen it [m]: b_along of METHOD eq 49.
   double along_track_spread_m() const { return spread_.along_track_bound_m; }
 
-  /// The most by which such a set differs in how far the vehicle has turned since then [rad].
+  /// The most by which such a set differs in how far the vehicle has turned [rad].
   double turn_spread_rad() const { return spread_.turn_bound_rad; }
 
   /// By how far wheels and Doppler have moved apart along-track while nothing says which of them is
@@ -265,6 +266,7 @@ class EgoMotion {
   ForwardAcceleration acceleration_;
   YawRateSign yaw_rate_sign_;
   HeldVelocity held_velocity_;
+  RepeatedYawRate repeated_yaw_rate_;
   bool wheels_leap_ = false;                 // at the last scan, while Doppler goes on
   std::chrono::nanoseconds outdated_by_{0};  // the newest velocity, where Doppler is newer
   MotionHistory history_;

@@ -34,22 +34,43 @@ void SourceMonitor::OnDopplersScaleChange(double forward_m) {
     without.log_weight += log_probability;
   }
   for (Hypothesis& hypothesis : hypotheses_) {
-    if (hypothesis.sound[kRangeRates]) {
-      hypothesis.since_registered.forward_m += forward_m;
-      hypothesis.since_reference_m += forward_m;
-    } else {
-      hypothesis.unapplied.forward_m -= forward_m;
-    }
+    hypothesis.since_registered.forward_m += forward_m;
+    hypothesis.since_reference_m += forward_m;
+    if (hypothesis.sound[kRangeRates]) continue;
+    hypothesis.unapplied.forward_m -= forward_m;
+    hypothesis.unseen.forward_m -= forward_m;
+  }
+}
+
+// The points that are registered were joined by the motion that was used. So the registration is
+// where the middle of them lies right: of what a hypothesis moves otherwise it sees what is older
+// than they are on average.
+void SourceMonitor::SeeMotion(const RegistrationEvidence& evidence) {
+  const double age_s = SecondsOf(evidence.submap_age);
+  const bool has_lag = newest_registered_ && age_s > 0.0;
+  const double seen =
+      has_lag ? 1.0 - std::exp(-SecondsOf(*newest_ - *newest_registered_) / age_s) : 1.0;
+  newest_registered_ = newest_;
+  for (Hypothesis& hypothesis : hypotheses_) {
+    const PlanarMotion now_seen{
+        evidence.observes_along_track ? seen * hypothesis.unseen.forward_m : 0.0,
+        seen * hypothesis.unseen.turn_rad};
+    hypothesis.unseen -= now_seen;
+    hypothesis.since_registered += now_seen;
+    hypothesis.since_reference_m += now_seen.forward_m;
   }
 }
 
 void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
                                    const RegistrationEvidence& evidence) {
   if (!newest_) return;
+  SeeMotion(evidence);
   if (evidence.is_accepted) {
     for (Hypothesis& hypothesis : hypotheses_) {
-      hypothesis.unapplied.turn_rad = 0.0;
-      if (evidence.observes_along_track) hypothesis.unapplied.forward_m = 0.0;
+      const bool is_disputed = hypothesis.log_weight > -options_.disputed_log_ratio;
+      hypothesis.unapplied.turn_rad = is_disputed ? hypothesis.unseen.turn_rad : 0.0;
+      if (!evidence.observes_along_track) continue;
+      hypothesis.unapplied.forward_m = is_disputed ? hypothesis.unseen.forward_m : 0.0;
     }
     accepted_or_tried_ = newest_;
     trial_count_ = 1;
@@ -149,6 +170,26 @@ void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
   Normalize();
 }
 
+SourceMonitor::PlanarMotion SourceMonitor::BesideBest(const Hypothesis& hypothesis) const {
+  PlanarMotion beside = hypothesis.unapplied;
+  return beside -= best().unapplied;
+}
+
+// How far two places are apart: from 1 on scans tell them apart.
+double SourceMonitor::Apart(const PlanarMotion& a, const PlanarMotion& b) const {
+  return std::hypot((a.forward_m - b.forward_m) / options_.min_alternative_distance_m,
+                    (a.turn_rad - b.turn_rad) / options_.min_alternative_turn_rad);
+}
+
+// Whether the sources of a hypothesis say if the vehicle has moved by `difference` beyond the
+// motion of the best one.
+bool SourceMonitor::MeasuresDifference(const Hypothesis& hypothesis,
+                                       const PlanarMotion& difference) const {
+  const bool moves = std::abs(difference.forward_m) >= options_.min_alternative_distance_m;
+  const bool turns = std::abs(difference.turn_rad) >= options_.min_alternative_turn_rad;
+  return (!moves || MeasuresSpeed(hypothesis)) && (!turns || MeasuresYawRate(hypothesis));
+}
+
 std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
     std::size_t radar_index) const {
   const bool was_compared =
@@ -160,17 +201,15 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
   for (const Hypothesis& hypothesis : hypotheses_) {
     if (&hypothesis == &best() ||
         hypothesis.log_weight < std::log(options_.min_probability_ratio) ||
-        !MeasuresSpeed(hypothesis) ||
-        std::abs(hypothesis.unapplied.forward_m - best().unapplied.forward_m) <
-            options_.min_alternative_distance_m) {
+        !MeasuresDifference(hypothesis, BesideBest(hypothesis)) ||
+        Apart(BesideBest(hypothesis), {}) < 1.0) {
       continue;
     }
     if (alternative == nullptr || hypothesis.log_weight > alternative->log_weight)
       alternative = &hypothesis;
   }
   if (alternative == nullptr) return std::nullopt;
-  return PlanarMotion{.forward_m = alternative->unapplied.forward_m - best().unapplied.forward_m,
-                      .turn_rad = alternative->unapplied.turn_rad - best().unapplied.turn_rad};
+  return BesideBest(*alternative);
 }
 
 // METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
@@ -180,12 +219,11 @@ void SourceMonitor::OnFits(std::size_t radar_index, const PlanarMotion& alternat
   fits_compared_.resize(std::max(fits_compared_.size(), radar_index + 1));
   fits_compared_[radar_index] = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const double unapplied_m = hypothesis.unapplied.forward_m - best().unapplied.forward_m;
-    const bool is_alternatives =
-        std::abs(unapplied_m - alternative.forward_m) < std::abs(unapplied_m);
-    const double own_fit = !MeasuresSpeed(hypothesis) ? 0.5 * (fit + alternative_fit)
-                           : is_alternatives          ? alternative_fit
-                                                      : fit;
+    const PlanarMotion own = BesideBest(hypothesis);
+    const double own_fit = !MeasuresDifference(hypothesis, alternative)
+                               ? 0.5 * (fit + alternative_fit)
+                           : Apart(own, alternative) < Apart(own, {}) ? alternative_fit
+                                                                      : fit;
     hypothesis.log_weight += options_.log_likelihood_per_fit * own_fit;
   }
   Normalize();

@@ -79,6 +79,8 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"start_span_ms", &O::start_span, 1, 1e6},
       {"silent_after_ms", &O::silent_after, 1, 1e5},
       {"max_log_ratio", &O::max_log_ratio, 1, 700},
+      {"stuck_log_ratio", &O::stuck_log_ratio, 0, 700, "one that is repeated is taken back"},
+      {"disputed_log_ratio", &O::disputed_log_ratio, 0, 700, "each accepted registration refutes"},
       {"spread_log_ratio", &O::spread_log_ratio, 0, 700, "no other hypothesis widens the motion"},
       {"min_speed_sigma_mps", &O::min_speed_sigma_mps, 1e-6, 100},
       {"min_speed_sigma_fraction", &O::min_speed_sigma_fraction, 0, 1, "the deviation is constant"},
@@ -92,6 +94,7 @@ std::span<const OptionField<SourceMonitorOptions>> FieldsOf(
       {"silent_yaw_rate_sigma_radps", &O::silent_yaw_rate_sigma_radps, 1e-6, 100},
       {"restart_probability", &O::restart_probability, 1e-30, 0.5},
       {"min_alternative_distance_m", &O::min_alternative_distance_m, 1e-3, 1000},
+      {"min_alternative_turn_rad", &O::min_alternative_turn_rad, 1e-3, 10},
       {"log_likelihood_per_fit", &O::log_likelihood_per_fit, 0, 1000, "scans tell nothing apart"},
       {"min_probability_ratio", &O::min_probability_ratio, 1e-12, 1, "the best hypothesis is sure"},
       {"min_registered_interval_ms", &O::min_registered_interval, 1, 1e5},
@@ -222,6 +225,8 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   DoubtStanding(floored);
   Normalize();
   TryOthers(stamp, readings);
+  yaw_rate_is_stuck_ =
+      readings.yaw_rate_is_repeated && (yaw_rate_is_stuck_ || !IsSound(OdometrySource::kYawRate));
   before_ = floored;
   compared_ = stamp;
   if (readings.wheel_speed) last_reported_.wheel_speed = stamp;
@@ -240,6 +245,7 @@ void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
   // With the right sources, too, finding the place takes a while.
   trial_count_ = std::min(2 * trial_count_, options_.max_trial_spans);
   const std::size_t refuted = best_;
+  yaw_rate_is_stuck_ = false;
   Begin(readings);
   DoubtFastReverse();
   hypotheses_[refuted].log_weight = -options_.max_log_ratio;
@@ -290,29 +296,37 @@ void SourceMonitor::Update(Hypothesis& hypothesis, const OdometryReadings& readi
   };
   compare(kWheelSpeed, wheel_speed(readings), wheel_speed(before_), acceleration_mps2,
           options_.speed_range_mps, hypothesis.speed);
+  compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
+          options_.yaw_rate_range_radps, hypothesis.yaw_rate);
   // Of two motions that the targets agree on, a hypothesis takes the one nearer to its prediction.
   const bool takes_alternative = hypothesis.sound[kDoppler] && readings.alternative_speed &&
                                  LogDensity(*readings.alternative_speed, hypothesis.speed) >
                                      LogDensity(*readings.doppler_speed, hypothesis.speed);
-  // One that errs by a constant share tells the speed as well as one that does not.
+  // One that errs by a constant share tells the motion as well as one that does not.
   const bool may_err_by_share = !hypothesis.sound[kDoppler] && hypothesis.sound[kWheelSpeed] &&
                                 readings.doppler_speed && readings.doppler_multiple != 1.0;
-  Hypothesis by_share = hypothesis;
+  std::optional<Hypothesis> by_share;
+  if (may_err_by_share) by_share = ByShareOfDoppler(hypothesis, readings);
   compare(kDoppler, takes_alternative ? readings.alternative_speed : readings.doppler_speed,
           before_.doppler_speed, acceleration_mps2, options_.speed_range_mps, hypothesis.speed);
-  if (may_err_by_share) {
-    by_share.log_weight +=
-        KalmanUpdate(*Divided(readings.doppler_speed, readings.doppler_multiple), by_share.speed);
-    if (by_share.log_weight > hypothesis.log_weight) hypothesis = by_share;
-  }
-  compare(kYawRate, readings.yaw_rate, before_.yaw_rate, yaw_acceleration_radps2,
-          options_.yaw_rate_range_radps, hypothesis.yaw_rate);
   compare(kDoppler, takes_alternative ? readings.alternative_yaw_rate : readings.doppler_yaw_rate,
           before_.doppler_yaw_rate, yaw_acceleration_radps2, options_.yaw_rate_range_radps,
           hypothesis.yaw_rate);
+  if (by_share && by_share->log_weight > hypothesis.log_weight) hypothesis = *by_share;
   if (readings.single_radar && hypothesis.sound[kDoppler]) {
     UpdateBySingleRadar(hypothesis, *readings.single_radar);
   }
+}
+
+SourceMonitor::Hypothesis SourceMonitor::ByShareOfDoppler(const Hypothesis& before,
+                                                          const OdometryReadings& readings) {
+  const double multiple = readings.doppler_multiple;
+  Hypothesis by_share = before;
+  by_share.log_weight += KalmanUpdate(*Divided(readings.doppler_speed, multiple), by_share.speed);
+  if (const auto yaw_rate = Divided(readings.doppler_yaw_rate, multiple)) {
+    by_share.log_weight += KalmanUpdate(*yaw_rate, by_share.yaw_rate);
+  }
+  return by_share;
 }
 
 // Its turn contradicts a gyroscope, or says nothing of it. Without one it is what is known; but a
@@ -329,7 +343,19 @@ void SourceMonitor::UpdateBySingleRadar(Hypothesis& hypothesis, const SingleRada
   }
 }
 
+// What it says is true by chance on a straight road.
+void SourceMonitor::DoubtStuckYawRate() {
+  for (Hypothesis& with : hypotheses_) {
+    if (!with.sound[kYawRate]) continue;
+    OdometrySources sound = with.sound;
+    sound.reset(kYawRate);
+    const double log_without = hypotheses_[sound.to_ulong()].log_weight;
+    with.log_weight = std::min(with.log_weight, log_without - options_.stuck_log_ratio);
+  }
+}
+
 void SourceMonitor::Normalize() {
+  if (yaw_rate_is_stuck_) DoubtStuckYawRate();
   double greatest = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < kHypothesisCount; ++i) {
     if (hypotheses_[i].log_weight <= greatest) continue;

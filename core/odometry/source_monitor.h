@@ -34,6 +34,7 @@ inline bool Contains(const OdometrySources& sources, OdometrySource source) {
 struct OdometryReadings {
   std::optional<ScalarEstimate> wheel_speed;
   std::optional<ScalarEstimate> yaw_rate;
+  bool yaw_rate_is_repeated = false;  ///< see RepeatedYawRate
   std::optional<ScalarEstimate> doppler_speed;
   std::optional<ScalarEstimate> doppler_yaw_rate;  ///< there only when doppler_speed is
   /// There only when doppler_speed and yaw_rate are, and doppler_yaw_rate is not.
@@ -62,6 +63,9 @@ struct RegistrationEvidence {
   /// It would have seen that the vehicle moved faster or slower. Between smooth walls it does not:
   /// along them it lies where the odometry in use has put it.
   bool observes_along_track = true;
+  /// How old, on average, the points are that were registered. The motion in use has joined them:
+  /// what it errs by is seen with a lag as long as this, METHOD eq 44.
+  std::chrono::nanoseconds submap_age{0};
 };
 
 /// When a source is taken for wrong (METHOD eq 42-44).
@@ -119,9 +123,15 @@ struct SourceMonitorOptions {
   /// Probability, at each comparison, that the motion is unlike any prediction and a hypothesis's
   /// filter has to start anew.
   double restart_probability = 1e-6;
+  /// By how much less probable than without it a hypothesis with a gyroscope is that has repeated
+  /// itself since it was found wrong, in log-probability.
+  double stuck_log_ratio = 7.0;
   /// No hypothesis falls further below the best one than this, in log-probability, so that it can
   /// recover.
   double max_log_ratio = 40.0;
+  /// Hypotheses within this of the best one, in log-probability, dispute the motion that is used:
+  /// an accepted registration takes from them what it sees. Others it refutes.
+  double disputed_log_ratio = 6.0;
   /// Hypotheses within this of the best one, in log-probability, widen the variance of the speed
   /// and the yaw rate.
   double spread_log_ratio = 7.0;
@@ -130,6 +140,7 @@ struct SourceMonitorOptions {
   /// Scans compare an alternative that puts the vehicle at least this far along-track from where it
   /// is taken to be.
   double min_alternative_distance_m = 0.4;
+  double min_alternative_turn_rad = 0.05;  ///< or that has turned it by so much otherwise
   /// Log-likelihood that a hypothesis gains by a fit that is better by 1.
   double log_likelihood_per_fit = 10.0;
   /// The shortest time between two registrations that are compared.
@@ -175,7 +186,7 @@ class SourceMonitor {
 
   /// A registration puts the vehicle here at the last readings. It is compared with one before, be
   /// it an outlier against the estimate or not: the estimate is made of the sources. An accepted
-  /// registration clears the unapplied correction, as far as it observes it.
+  /// registration clears the unapplied correction, as far as it sees it.
   void OnRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   /// It is no longer known where the vehicle was.
   void OnRegistrationLost() {
@@ -210,16 +221,25 @@ class SourceMonitor {
   struct PlanarMotion {
     double forward_m = 0.0;
     double turn_rad = 0.0;  ///< counter-clockwise
+
+    PlanarMotion& operator+=(const PlanarMotion& other) {
+      forward_m += other.forward_m;
+      turn_rad += other.turn_rad;
+      return *this;
+    }
+    PlanarMotion& operator-=(const PlanarMotion& other) {
+      return *this += {-other.forward_m, -other.turn_rad};
+    }
   };
 
   /// Reports the motion that the pose used between the last two readings [m, rad]. If the set of
-  /// sound sources has changed since the last call, returns the correction to apply: the motion
-  /// since the last accepted registration by the new set, minus what was used. Along the way it is
-  /// since the last one that observed it.
+  /// sound sources has changed since the last call, returns the correction to apply: the motion by
+  /// the new set, minus what was used, as far as no accepted registration has seen it.
   std::optional<PlanarMotion> OnUsedMotion(double forward_m, double turn_rad);
 
-  /// The model spread: how the hypotheses that are probable differ from the motion that was used
-  /// since a registration was last accepted, and from the velocity now. Zero while they agree.
+  /// The model spread: how the hypotheses that are probable differ from the motion that was used,
+  /// as far as no accepted registration has seen it, and from the velocity now. Zero while they
+  /// agree.
   struct Spread {
     /// With it, the gate of static targets reaches those of each motion that is as probable as the
     /// best one, and of others as far as they are probable [m2/s2].
@@ -232,8 +252,8 @@ class SourceMonitor {
   };
   Spread CurrentSpread() const;
 
-  /// The most probable other motion, besides the one that was used since a registration was last
-  /// accepted, that is not improbable and puts the vehicle elsewhere. Nothing too soon after the
+  /// The most probable other motion, besides the one that was used, that is not improbable and puts
+  /// the vehicle elsewhere or has turned it otherwise. Nothing too soon after the
   /// last `OnFits` of radar `radar_index`: what radars see of one moment counts for each of them.
   std::optional<PlanarMotion> Alternative(std::size_t radar_index) const;
 
@@ -254,7 +274,8 @@ class SourceMonitor {
     double previous_speed_mps = 0.0;
     double previous_yaw_rate_radps = 0.0;
     PlanarMotion unapplied;          // beyond the motion that was used
-    PlanarMotion since_registered;   // the whole motion
+    PlanarMotion unseen;             // of that, what registrations do not see yet
+    PlanarMotion since_registered;   // the motion that registrations see
     double since_reference_m = 0.0;  // along-track, since `scale_reference_`
     double log_evidence = 0.0;       // that it has added to the weight
 
@@ -310,6 +331,7 @@ class SourceMonitor {
   bool SaysStanding(const std::optional<ScalarEstimate>& speed) const;
   OdometryReadings WithFloors(const OdometryReadings& readings) const;
   void Update(Hypothesis& hypothesis, const OdometryReadings& readings, double duration_s) const;
+  static Hypothesis ByShareOfDoppler(const Hypothesis& before, const OdometryReadings& readings);
   // One that contradicts the gyroscope may have been knocked, and sees as much as before.
   static bool MayBeKnocked(const OdometryReadings& readings) {
     return readings.single_radar && readings.single_radar->beyond_gyroscope_radps > 0.0;
@@ -323,10 +345,15 @@ class SourceMonitor {
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
   // Whether it is open if Doppler has told the right scale of the wheels.
   bool ScaleIsOpen() const { return before_.doppler_multiple != 1.0; }
+  PlanarMotion BesideBest(const Hypothesis& hypothesis) const;
+  double Apart(const PlanarMotion& a, const PlanarMotion& b) const;
+  bool MeasuresDifference(const Hypothesis& hypothesis, const PlanarMotion& difference) const;
+  void SeeMotion(const RegistrationEvidence& evidence);
   void CompareScales(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void CompareWithReference(const Pose2& T_map_vehicle);
   bool HasDecided() const;
   void CompareWithRegistration(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
+  void DoubtStuckYawRate();
   void Normalize();
 
   SourceMonitorOptions options_;
@@ -336,6 +363,7 @@ class SourceMonitor {
   std::size_t best_ = kHypothesisCount - 1;
   OdometrySources used_;  // sound at the last OnUsedMotion
   OdometryReadings before_;
+  bool yaw_rate_is_stuck_ = false;  // repeated, and found wrong since it is
   LastReported last_reported_;
   std::optional<Stamp> began_;           // when they were compared first
   std::size_t doppler_radar_count_ = 0;  // the most so far
@@ -346,6 +374,7 @@ class SourceMonitor {
   // by 1 in a second does between readings dt apart, unseen (as of METHOD eq 23).
   double unseen_s4_ = 0.0;
   std::vector<std::optional<Stamp>> fits_compared_;  // by radar
+  std::optional<Stamp> newest_registered_;
   std::optional<Registered> registered_;
   struct ScaleReference {
     Stamp stamp;

@@ -58,19 +58,21 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double fo
   if (scale_reference_) scale_reference_->unseen_s4 += unseen_s2 * unseen_s2;
   for (Hypothesis& hypothesis : hypotheses_) {
     const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
-    hypothesis.unapplied.forward_m += own.forward_m - forward_m;
-    hypothesis.unapplied.turn_rad += own.turn_rad - turn_rad;
-    hypothesis.since_registered.forward_m += own.forward_m;
-    hypothesis.since_reference_m += own.forward_m;
-    hypothesis.since_registered.turn_rad += own.turn_rad;
+    const PlanarMotion beyond{own.forward_m - forward_m, own.turn_rad - turn_rad};
+    hypothesis.unapplied += beyond;
+    hypothesis.unseen += beyond;
+    hypothesis.since_registered += {forward_m, turn_rad};
+    hypothesis.since_reference_m += forward_m;
   }
   if (best().sound == used_) return std::nullopt;
   used_ = best().sound;
   // What the others say is besides what the best one has added now.
   const PlanarMotion unapplied = best().unapplied;
   for (Hypothesis& hypothesis : hypotheses_) {
-    hypothesis.unapplied.forward_m -= unapplied.forward_m;
-    hypothesis.unapplied.turn_rad -= unapplied.turn_rad;
+    hypothesis.unapplied -= unapplied;
+    hypothesis.unseen -= unapplied;
+    hypothesis.since_registered += unapplied;
+    hypothesis.since_reference_m += unapplied.forward_m;
   }
   return unapplied;
 }

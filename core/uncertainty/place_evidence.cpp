@@ -18,6 +18,7 @@ std::span<const OptionField<PlaceEvidenceOptions>> FieldsOf(
       {"supposed_innovations", &O::supposed_innovations, 0, 1e6, "the first registration decides"},
       {"fit_per_lost_claim", &O::fit_per_lost_claim, 0, 1, "claims that were lost say nothing"},
       {"max_lost_claims", &O::max_lost_claims, 0, 100, "likewise"},
+      {"verified_distance_m", &O::verified_distance_m, 0, 1e6, "each search counts"},
       {"lost_claim_time_constant_ms", &O::lost_claim_time_constant, 1, 1e7},
       {"regained_fit", &O::regained_fit, 0, 1, "there is no hysteresis"},
   };
@@ -57,6 +58,13 @@ void PlaceEvidence::OnClaim(Stamp stamp, bool is_claimed, bool is_lost) {
     }
     claimed_last_.reset();
   }
+}
+
+void PlaceEvidence::OnVerified(const Eigen::Vector2d& position_m) {
+  if (verified_m_ && (position_m - *verified_m_).norm() < options_.verified_distance_m) return;
+  if (verified_m_) lost_claims_ = std::max(0.0, lost_claims_ - 1.0);
+  verified_m_ = position_m;
+  Update();
 }
 
 void PlaceEvidence::OnScanFit(Stamp stamp, std::size_t point_count, double fit) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <chrono>
 #include <cstddef>
 #include <optional>
@@ -30,6 +31,9 @@ struct PlaceEvidenceOptions {
   /// evidence: the map may be another one.
   double fit_per_lost_claim = 0.06;
   double max_lost_claims = 3.0;  ///< the most that count
+  /// A search that finds no better place takes one of them back, if it is so far from the last one
+  /// that did.
+  double verified_distance_m = 10.0;
   /// A lost claim counts less the longer another one holds.
   std::chrono::nanoseconds lost_claim_time_constant = std::chrono::seconds(60);
 };
@@ -61,6 +65,10 @@ class PlaceEvidence {
   /// At `stamp` the place is claimed, or has been given up as lost, or neither.
   void OnClaim(Stamp stamp, bool is_claimed, bool is_lost);
 
+  /// A search has found that no place around fits better than this one, and that views fit it as
+  /// they usually did.
+  void OnVerified(const Eigen::Vector2d& position_m);
+
   /// The vehicle is supposed to be at another place of the same map.
   void Reset();
 
@@ -83,7 +91,8 @@ class PlaceEvidence {
   FadingMean innovation_;
   std::size_t point_count_ = 0;
   EvidenceForPlace verdict_ = EvidenceForPlace::kTooLittle;
-  double lost_claims_ = 0.0;           // places that did not hold; they fade while one does
+  double lost_claims_ = 0.0;  // places that did not hold; they fade while one does
+  std::optional<Eigen::Vector2d> verified_m_;
   std::optional<Stamp> claimed_last_;  // while a place is claimed, or was until now
 };
 

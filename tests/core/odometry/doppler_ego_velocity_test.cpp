@@ -94,6 +94,20 @@ TEST(EgoVelocityTest, SaysNothingWhereItCannotKnow) {
   EXPECT_FALSE(EstimateEgoVelocity(nothing, 5).has_value());
 }
 
+// What a mount errs by is a share of the speed.
+TEST(EgoVelocityTest, ItIsSurerOfAVehicleThatCreeps) {
+  const RadarModel radar = RadarAt("front", 3.6, 0.3, 0.1);
+  const auto sigma_mps = [&](double speed_mps) {
+    const Scan scan = StaticScan(radar, PlanarMotion(speed_mps, 0.0), 80, /*seed=*/1, 0.6);
+    const RadarScan scans[] = {{&scan, &radar}};
+    const auto estimate = EstimateEgoVelocity(scans, /*seed=*/1);
+    return std::sqrt((*estimate.value().ego_velocity.covariance)(0, 0));
+  };
+  EXPECT_LT(sigma_mps(0.6), 0.25);
+  EXPECT_GT(sigma_mps(12.0), 0.5);
+  EXPECT_LT(sigma_mps(30.0), 0.6);
+}
+
 TEST(EgoVelocityTest, TheCovarianceCoversTheErrors) {
   const RadarModel radar = RadarAt("front", 3.6, 0.3, 0.1);
   const EgoVelocityOptions options{.linear_sigma_floor_mps = 1e-6,

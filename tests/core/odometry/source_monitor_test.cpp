@@ -191,6 +191,23 @@ TEST(SourceMonitorTest, SilentSourcesAreNotTakenForWrong) {
   EXPECT_EQ(vehicle.monitor.sound(), OdometrySources(7));
 }
 
+TEST(SourceMonitorTest, AGyroscopeThatRepeatsItselfIsNotTakenBackOnAStraightRoad) {
+  Vehicle vehicle;
+  vehicle.is_registered = true;
+  vehicle.Drive(10.0);
+  const auto dead = [](OdometryReadings& readings) {
+    readings.yaw_rate->value = 0.0;
+    readings.yaw_rate_is_repeated = true;
+  };
+  vehicle.Drive(10.0, dead);
+  EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kYawRate));
+  vehicle.turn_radps = 0.0;
+  vehicle.Drive(60.0, dead);
+  EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kYawRate));
+  vehicle.Drive(10.0);
+  EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kYawRate));
+}
+
 /// A straight drive whose wheels creep away from the truth, so that it takes a while to find them
 /// wrong.
 struct CreepingWheels {

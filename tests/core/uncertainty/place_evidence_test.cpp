@@ -106,6 +106,19 @@ TEST(PlaceEvidenceTest, AClaimThatHoldsLetsLostOnesBeForgotten) {
   EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough);
 }
 
+TEST(PlaceEvidenceTest, APlaceThatStandsOutAgainFurtherOnTakesBackALostClaim) {
+  const double fit =
+      kOptions.min_fit + kOptions.fit_per_innovation + 0.7 * kOptions.fit_per_lost_claim;
+  PlaceEvidence evidence(kOptions);
+  LoseAClaim(evidence, 0);
+  evidence.OnVerified({100.0, 0.0});
+  evidence.OnVerified({100.0 + 0.9 * kOptions.verified_distance_m, 0.0});  // nearly the same view
+  Drive(evidence, 10'000, 13'000, fit, 1.0);
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kLacking);
+  evidence.OnVerified({100.0 + 1.1 * kOptions.verified_distance_m, 0.0});
+  EXPECT_EQ(evidence.Judge(), EvidenceForPlace::kEnough);
+}
+
 TEST(PlaceEvidenceTest, APlaceThatWasNeverClaimedOrThatFitToTheLastIsNoLostClaim) {
   const double fit =
       kOptions.min_fit + kOptions.fit_per_innovation + 0.5 * kOptions.fit_per_lost_claim;
