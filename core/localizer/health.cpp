@@ -20,7 +20,7 @@ SourceFault FaultOf(const RangeRateError& error) {
 
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const AzimuthSigns& azimuth_signs, const RangeRateErrors& range_rate_errors,
-                    const RadarMonitor& radar_monitor) {
+                    const RangeRateOffsets& range_rate_offsets, const RadarMonitor& radar_monitor) {
   Health health{
       .wheel_speed = ego_motion.wheel_speed(), .yaw_rate = ego_motion.yaw_rate(), .radars = {}};
   for (std::size_t i = 0; i < learned_rig.rig().radars.size(); ++i) {
@@ -30,6 +30,9 @@ Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& 
     if (fault == SourceFault::kNone) fault = learned_rig.FaultOf(i, stamp);
     if (fault == SourceFault::kNone && azimuth_signs.IsMirrored(i)) fault = SourceFault::kMount;
     if (fault == SourceFault::kNone) fault = FaultOf(range_rate_errors.Whole(i));
+    if (fault == SourceFault::kNone && range_rate_offsets.offset_mps(i) != 0.0) {
+      fault = SourceFault::kBias;
+    }
     health.radars.push_back(
         {.is_used = says_something && IsTrusted(i, stamp, learned_rig, radar_monitor),
          .fault = fault});

@@ -8,6 +8,7 @@
 #include "core/odometry/source_fault.h"
 #include "core/online_calibration/learned_rig.h"
 #include "core/online_calibration/range_rate_errors.h"
+#include "core/online_calibration/range_rate_offsets.h"
 #include "core/uncertainty/azimuth_signs.h"
 
 namespace dcloc {
@@ -32,6 +33,6 @@ bool IsTrusted(std::size_t index, Stamp stamp, const LearnedRig& learned_rig,
 /// another clock is used, as its stamps are brought to the clock of the others.
 Health ReportHealth(Stamp stamp, const EgoMotion& ego_motion, const LearnedRig& learned_rig,
                     const AzimuthSigns& azimuth_signs, const RangeRateErrors& range_rate_errors,
-                    const RadarMonitor& radar_monitor);
+                    const RangeRateOffsets& range_rate_offsets, const RadarMonitor& radar_monitor);
 
 }  // namespace dcloc

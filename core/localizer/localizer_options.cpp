@@ -47,6 +47,7 @@ absl::Status Validate(const LocalizerOptions& options) {
   status.Update(Within("azimuth_signs", Validate(options.azimuth_signs)));
   status.Update(Within("range_biases", Validate(options.range_biases)));
   status.Update(Within("range_rate_errors", Validate(options.range_rate_errors)));
+  status.Update(Within("range_rate_offsets", Validate(options.range_rate_offsets)));
   status.Update(Within("ego_motion", Validate(options.ego_motion)));
   status.Update(Within("learned_rig", Validate(options.learned_rig)));
   status.Update(Within("known", Validate(options.known)));

@@ -18,6 +18,7 @@
 #include "core/odometry/rig_knowledge.h"
 #include "core/online_calibration/learned_rig.h"
 #include "core/online_calibration/range_rate_errors.h"
+#include "core/online_calibration/range_rate_offsets.h"
 #include "core/options/option_fields.h"
 #include "core/posegraph/pose_graph.h"
 #include "core/radar/static_points.h"
@@ -82,6 +83,7 @@ struct LocalizerOptions {
   AzimuthSignOptions azimuth_signs;
   RangeBiasOptions range_biases;
   RangeRateErrorOptions range_rate_errors;
+  RangeRateOffsetOptions range_rate_offsets;
   EgoMotionOptions ego_motion;
   LearnedRigOptions learned_rig;
   RadarMonitorOptions radar_monitor;

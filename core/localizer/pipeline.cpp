@@ -75,7 +75,9 @@ Localization Pipeline<Dim>::LocalizeNext(const Scan& sent, const TimeBase::ScanT
   const std::size_t radar_index = radars_.learned.IndexOf(sent.radar_id);
   const RadarModel& radar = radars_.learned.rig().radars[radar_index];
   Workspace<Dim>& workspace = lent_workspace.Of<Dim>();
-  const Scan& scan = Corrected(Fresh(sent, radar_index, workspace), workspace);
+  const Scan& fresh = Fresh(sent, radar_index, workspace);
+  LearnRangeRateOffset(fresh, stamp, radar_index);
+  const Scan& scan = Corrected(fresh, workspace);
 
   Announce(listener, Stage::kCompensation);  // eq 6, 9-11
   const Scan& of_motion = TellingMotion(scan, workspace);

@@ -25,6 +25,7 @@
 #include "core/odometry/ego_motion.h"
 #include "core/online_calibration/learned_rig.h"
 #include "core/online_calibration/range_rate_errors.h"
+#include "core/online_calibration/range_rate_offsets.h"
 #include "core/radar/repeated_targets.h"
 #include "core/registration/map_matcher.h"
 #include "core/relocalization/relocalizer.h"
@@ -158,8 +159,9 @@ class Pipeline final : public AnyPipeline {
   bool LearnRangeBias(Stamp stamp, std::size_t radar_index, Workspace<Dim>& workspace);
   // `sent`, without targets that its radar sent before.
   const Scan& Fresh(const Scan& sent, std::size_t radar_index, Workspace<Dim>& workspace);
-  // `scan` itself, or a copy in `workspace` with the sign of azimuths and the scale of range rates
-  // that were learned.
+  void LearnRangeRateOffset(const Scan& scan, Stamp stamp, std::size_t radar_index);
+  // `scan` itself, or a copy in `workspace` with the sign of azimuths, the scale and the offset of
+  // range rates that were learned.
   const Scan& Corrected(const Scan& scan, Workspace<Dim>& workspace) const;
   // `scan`, without targets where its range rates do not tell the motion.
   const Scan& TellingMotion(const Scan& scan, Workspace<Dim>& workspace) const;
@@ -211,6 +213,7 @@ class Pipeline final : public AnyPipeline {
           azimuth_signs(learned.rig().radars.size(), options.azimuth_signs),
           range_biases(learned.rig().radars.size(), options.range_biases),
           range_rate_errors(learned.rig().radars.size(), options.range_rate_errors),
+          range_rate_offsets(learned.rig().radars.size(), options.range_rate_offsets),
           scan_checker(learned.rig().radars.size(), options.map_fit) {
       if (map.stamp_delay_s) learned.BeginToLearnStamps(*map.stamp_delay_s);
     }
@@ -221,6 +224,7 @@ class Pipeline final : public AnyPipeline {
     AzimuthSigns azimuth_signs;
     RangeBiases range_biases;
     RangeRateErrors range_rate_errors;
+    RangeRateOffsets range_rate_offsets;
     ScanChecker<Dim> scan_checker;
     std::optional<RangeTrial> range_trial;  // of their biases, since nothing was found
     StampError stamp_error;                 // of the newest scan

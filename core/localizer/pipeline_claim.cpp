@@ -45,8 +45,9 @@ void Pipeline<Dim>::ExpireTimeouts(Stamp stamp) {
 template <int Dim>
 Localization Pipeline<Dim>::Answer(const Scan& scan, Stamp stamp) const {
   Localization answer{.stamp = scan.stamp, .quality = newest_.quality};
-  answer.health = ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs,
-                               radars_.range_rate_errors, radars_.monitor);
+  answer.health =
+      ReportHealth(stamp, ego_motion_, radars_.learned, radars_.azimuth_signs,
+                   radars_.range_rate_errors, radars_.range_rate_offsets, radars_.monitor);
   answer.resets = claims_.reset_counter.resets();
   answer.quality.live_point_count = static_cast<int>(live_.submap.point_count());
   answer.quality.beta = learner_.CheckBeta(radars_.learned.IndexOf(scan.radar_id));

@@ -247,11 +247,22 @@ const Scan& Pipeline<Dim>::Fresh(const Scan& sent, std::size_t radar_index,
 }
 
 template <int Dim>
+void Pipeline<Dim>::LearnRangeRateOffset(const Scan& scan, Stamp stamp, std::size_t radar_index) {
+  if (!radars_.range_rate_offsets.OnScan(stamp, radar_index, scan, rig().radars[radar_index])) {
+    return;
+  }
+  radars_.range_rate_errors.OnOffsetCorrected(radar_index);
+  ego_motion_.OnRangeRatesCorrected();
+}
+
+template <int Dim>
 const Scan& Pipeline<Dim>::Corrected(const Scan& scan, Workspace<Dim>& workspace) const {
   const std::size_t radar_index = radars_.learned.IndexOf(scan.radar_id);
   const bool is_mirrored = radars_.azimuth_signs.IsMirrored(radar_index);
-  const RangeRateError& error = radars_.range_rate_errors.Learned(radar_index);
-  const bool is_off = !error.is_none() && !error.is_compensated();  // see AsMeasured
+  RangeRateError error = radars_.range_rate_errors.Learned(radar_index);
+  if (error.is_compensated()) error = {};  // see AsMeasured
+  error.offset_mps += radars_.range_rate_offsets.offset_mps(radar_index);
+  const bool is_off = !error.is_none();
   const bool turns_other_way = ego_motion_.yaw_rate_is_reversed() && scan.ego_velocity.has_value();
   if (!is_mirrored && !is_off && !turns_other_way) return scan;
   workspace.corrected_scan = scan;
@@ -300,6 +311,8 @@ template const Scan& Pipeline<2>::TellingMotion(const Scan&, Workspace<2>&) cons
 template const Scan& Pipeline<3>::TellingMotion(const Scan&, Workspace<3>&) const;
 template const Scan& Pipeline<2>::AsMeasured(const Scan&, const EgoVelocity&, Workspace<2>&) const;
 template const Scan& Pipeline<3>::AsMeasured(const Scan&, const EgoVelocity&, Workspace<3>&) const;
+template void Pipeline<2>::LearnRangeRateOffset(const Scan&, Stamp, std::size_t);
+template void Pipeline<3>::LearnRangeRateOffset(const Scan&, Stamp, std::size_t);
 template const Scan& Pipeline<2>::Corrected(const Scan&, Workspace<2>&) const;
 template const Scan& Pipeline<3>::Corrected(const Scan&, Workspace<3>&) const;
 

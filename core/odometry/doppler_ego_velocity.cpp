@@ -46,19 +46,6 @@ void MakeRows(std::span<const RadarScan> scans, std::vector<Row>& rows) {  // ME
   }
 }
 
-// Returns the sum of all votes.
-double ShareVotes(std::vector<Row>& rows, double max_direction_fraction) {
-  std::array<int, kDirectionCount> counts{};
-  for (const Row& row : rows) ++counts[static_cast<std::size_t>(row.direction)];
-  const double max_votes = std::max(1.0, max_direction_fraction * static_cast<double>(rows.size()));
-  double sum = 0.0;
-  for (Row& row : rows) {
-    row.vote = std::min(1.0, max_votes / counts[static_cast<std::size_t>(row.direction)]);
-    sum += row.vote;
-  }
-  return sum;
-}
-
 double VotesOf(const std::vector<Row>& rows) {
   double sum = 0.0;
   for (const Row& row : rows) sum += row.vote;
@@ -271,7 +258,7 @@ std::optional<DopplerEgoVelocity> EstimateEgoVelocity(std::span<const RadarScan>
   MakeRows(scans, rows);
   const auto count = static_cast<int>(rows.size());
   if (count < options.min_inlier_count) return std::nullopt;
-  const double votes = ShareVotes(rows, options.max_direction_fraction);
+  const double votes = ShareVotes(options.max_direction_fraction, rows);
 
   TakeInliers(rows, Vector3d::Zero(), options.zero_gate_mps, inliers);
   if (VotesOf(inliers) >= options.zero_fraction * votes) {

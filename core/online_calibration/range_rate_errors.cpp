@@ -135,6 +135,12 @@ bool RangeRateErrors::IsSame(const RangeRateError& a, const RangeRateError& b) c
          std::abs(a.offset_mps - b.offset_mps) <= options_.gate_mps;
 }
 
+void RangeRateErrors::OnOffsetCorrected(std::size_t index) {
+  Radar& radar = radars_[index];
+  const int registration_count = radar.supposed_since ? 0 : radar.registration_count;
+  radar = {.learned = {.scale = radar.learned.scale}, .registration_count = registration_count};
+}
+
 bool RangeRateErrors::OnLost() {
   bool has_changed = false;
   disputed_distance_m_ = 0.0;

@@ -90,6 +90,10 @@ class RangeRateErrors {
   /// `Learned` has changed.
   bool OnRegistered(Stamp stamp);
 
+  /// From now on another offset than before is taken from the range rates of radar `index` before
+  /// they are given here.
+  void OnOffsetCorrected(std::size_t index);
+
   /// The pose was given up. Whether `Learned` has changed.
   bool OnLost();
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <array>
 #include <bitset>
 #include <cmath>
 #include <cstddef>
@@ -27,6 +28,22 @@ int CountDirections(const Items& items) {
   Directions directions;
   for (const auto& item : items) directions.set(static_cast<std::size_t>(item.direction));
   return static_cast<int>(directions.count());
+}
+
+/// Gives the `vote` of each item: 1, or less where many lie in one direction, which have together
+/// at most `max_direction_fraction` of the items' number. Returns the sum of all votes.
+template <typename Items>
+double ShareVotes(double max_direction_fraction, Items& items) {
+  std::array<int, kDirectionCount> counts{};
+  for (const auto& item : items) ++counts[static_cast<std::size_t>(item.direction)];
+  const double max_votes =
+      std::max(1.0, max_direction_fraction * static_cast<double>(items.size()));
+  double sum = 0.0;
+  for (auto& item : items) {
+    item.vote = std::min(1.0, max_votes / counts[static_cast<std::size_t>(item.direction)]);
+    sum += item.vote;
+  }
+  return sum;
 }
 
 }  // namespace dcloc

@@ -24,7 +24,8 @@ class HealthTest : public ::testing::Test {
     return rig;
   }
   SourceHealth Reported(std::size_t index, Stamp stamp) const {
-    return ReportHealth(stamp, EgoMotion(), rig_, signs_, scales_, monitor_).radars[index];
+    return ReportHealth(stamp, EgoMotion(), rig_, signs_, scales_, offsets_, monitor_)
+        .radars[index];
   }
 
   static constexpr std::size_t kRadars = 4;
@@ -32,6 +33,7 @@ class HealthTest : public ::testing::Test {
   LearnedRig rig_{FourRadars(), {}};
   AzimuthSigns signs_{kRadars, {}};
   RangeRateErrors scales_{kRadars, {}};
+  RangeRateOffsets offsets_{kRadars, {}};
   RadarMonitor monitor_{kRadars, {}};
 };
 

@@ -234,5 +234,16 @@ TEST_F(RangeRateErrorsTest, AMultipleOfAliasedRangeRatesIsNotLookedFor) {
   EXPECT_EQ(errors_.Supposed(0).scale, 1.0);
 }
 
+TEST_F(RangeRateErrorsTest, AnOffsetThatIsTakenElsewhereIsForgottenAndAScaleIsNot) {
+  Drive(1.0, 20, 2, 1.0);
+  ASSERT_TRUE(errors_.Learned(0).is_offset());
+  errors_.OnOffsetCorrected(0);
+  EXPECT_TRUE(errors_.Whole(0).is_none());
+  Drive(1.3, 20, 2);
+  ASSERT_NEAR(errors_.Learned(0).scale, 1.3, 0.02);
+  errors_.OnOffsetCorrected(0);
+  EXPECT_NEAR(errors_.Whole(0).scale, 1.3, 0.02);
+}
+
 }  // namespace
 }  // namespace dcloc

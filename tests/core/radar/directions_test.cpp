@@ -33,5 +33,16 @@ TEST(DirectionsTest, EachCountsOnce) {
   EXPECT_EQ(CountDirections(std::vector<Item>{}), 0);
 }
 
+TEST(DirectionsTest, ADirectionThatIsFullSharesItsVotes) {
+  struct Item {
+    int direction;
+    double vote;
+  };
+  std::vector<Item> items{{4, 0.0}, {4, 0.0}, {4, 0.0}, {4, 0.0}, {9, 0.0}, {20, 0.0}};
+  EXPECT_DOUBLE_EQ(ShareVotes(1.0 / 3.0, items), 4.0);
+  EXPECT_DOUBLE_EQ(items[0].vote, 0.5);
+  EXPECT_DOUBLE_EQ(items[4].vote, 1.0);
+}
+
 }  // namespace
 }  // namespace dcloc
