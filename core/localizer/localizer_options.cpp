@@ -26,6 +26,7 @@ std::span<const OptionField<LocalizerOptions>> FieldsOf(const LocalizerOptions& 
       {"contradicted_sigma_rad", &O::contradicted_sigma_rad, 0, 10, "its covariance holds"},
       {"clock_set_sigma_s", &O::clock_set_sigma_s, 0, 1000, "the odometry's covariance holds"},
       {"range_trial_ms", &O::range_trial, 1, 1e6},
+      {"range_guess_ms", &O::range_guess, 1, 1e6},
   };
   return kFields;
 }

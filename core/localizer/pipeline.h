@@ -153,6 +153,7 @@ class Pipeline final : public AnyPipeline {
   bool LearnAzimuthSign(std::size_t radar_index, Workspace<Dim>& workspace);
   void TryOtherAzimuthSigns();
   void TryOtherRangeBiases();
+  void GuessRangeBiases();
   void OnAzimuthSignChanged(std::size_t radar_index);
   void OnRangeCorrected(std::size_t radar_index);
   // Whether ranges have been corrected: then the scan's points are dropped.

@@ -222,6 +222,14 @@ void Pipeline<Dim>::TryOtherRangeBiases() {
   relocalizer_.RetakeViews();
 }
 
+// The search begins anew, so that views are taken as often as at the start.
+template <int Dim>
+void Pipeline<Dim>::GuessRangeBiases() {
+  radars_.range_biases.Guess();
+  for (std::size_t i = 0; i < rig().radars.size(); ++i) OnRangeCorrected(i);
+  relocalizer_.ForgetViews();
+}
+
 // What was seen with other ranges is not where it was put.
 template <int Dim>
 void Pipeline<Dim>::OnRangeCorrected(std::size_t radar_index) {
@@ -305,6 +313,8 @@ template bool Pipeline<2>::LearnRangeBias(Stamp, std::size_t, Workspace<2>&);
 template bool Pipeline<3>::LearnRangeBias(Stamp, std::size_t, Workspace<3>&);
 template void Pipeline<2>::TryOtherRangeBiases();
 template void Pipeline<3>::TryOtherRangeBiases();
+template void Pipeline<2>::GuessRangeBiases();
+template void Pipeline<3>::GuessRangeBiases();
 template void Pipeline<2>::TryOtherAzimuthSigns();
 template void Pipeline<3>::TryOtherAzimuthSigns();
 template const Scan& Pipeline<2>::TellingMotion(const Scan&, Workspace<2>&) const;

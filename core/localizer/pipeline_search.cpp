@@ -30,15 +30,26 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
 
 // At a wrong pose chance decides what is learned of the radars, and with that nothing fits
 // anywhere. So either is tried in turn. Biases of ranges are tried for longer and longer, as a
-// search takes several views.
+// search takes several views. Where nothing was ever learned, a guess has less time than what is
+// described.
 template <int Dim>
 void Pipeline<Dim>::OnSearchedInVain(Stamp stamp) {
   TryOtherAzimuthSigns();
   std::optional<RangeTrial>& trial = radars_.range_trial;
   if (trial && stamp < trial->end) return;
+  const bool guesses = radars_.range_biases.KnowsNothing() && relocalizer_.prior();
+  if (guesses && !trial) {
+    trial = {.duration = options_.range_guess, .end = stamp + options_.range_guess};
+    return;
+  }
   const std::chrono::nanoseconds duration = trial ? 2 * trial->duration : options_.range_trial;
   trial = {.duration = duration, .end = stamp + duration};
-  TryOtherRangeBiases();
+  if (guesses) {
+    GuessRangeBiases();
+    if (radars_.range_biases.bias_m(0)) trial->end = stamp + options_.range_guess;
+  } else {
+    TryOtherRangeBiases();
+  }
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where

@@ -18,8 +18,9 @@ const RigKnowledge& Pipeline<Dim>::Knowledge() {
   claims_.known.radars.clear();
   ego_motion_.AddTo(claims_.known);
   radars_.learned.AddTo(claims_.known);
+  const bool is_guess = radars_.range_biases.KnowsNothing();
   for (std::size_t i = 0; i < rig().radars.size(); ++i) {
-    if (const std::optional<ScalarEstimate>& bias_m = radars_.range_biases.bias_m(i)) {
+    if (const auto& bias_m = radars_.range_biases.bias_m(i); bias_m && !is_guess) {
       claims_.known.Of(rig().radars[i].id).range_bias_error = bias_m;
     }
     const BetaCheck beta = learner_.CheckBeta(i);

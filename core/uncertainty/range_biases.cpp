@@ -41,6 +41,9 @@ std::span<const OptionField<RangeBiasOptions>> FieldsOf(const RangeBiasOptions& 
        "what is not certain is corrected"},
       {"suspicion_sigmas", &O::suspicion_sigmas, 0, 1000, "each bias whose size is not told"},
       {"corrected_sigma_m", &O::corrected_sigma_m, 1e-6, 10},
+      {"established_reading_count", &O::established_reading_count, 1, 1'000'000},
+      {"guess_m", &O::guess_m, 0, 5, "described ranges are tried again"},
+      {"guess_sigma_m", &O::guess_sigma_m, 1e-6, 10},
       {"max_bias_m", &O::max_bias_m, 0, 5, "no range is corrected"},
   };
   return kFields;
@@ -63,6 +66,7 @@ bool RangeBiases::IsDue(std::size_t index, std::size_t point_count) {
 
 std::optional<double> RangeBiases::OnFits(std::size_t index, const RangeFits& fits,
                                           double absorbed_m) {
+  was_compared_ = true;
   Radar& radar = radars_[index];
   const auto count = static_cast<double>(fits.point_count);
   radar.points += count;
@@ -84,6 +88,7 @@ std::optional<double> RangeBiases::OnFits(std::size_t index, const RangeFits& fi
   radar.bias_m = Bounded({before_m + correction_m, remaining_m.variance});
   radar.other_m.reset();
   radar.newest = radar.recent = radar.many = {};
+  radar.readings_since_correction = 0;
   return radar.bias_m->value - before_m;
 }
 
@@ -93,6 +98,7 @@ void RangeBiases::EndReading(Radar& radar) const {
   Add(radar, options_.short_forgetting_factor, radar.recent);
   Add(radar, options_.long_forgetting_factor, radar.many);
   radar.points = radar.lean = radar.decrease = radar.distance_m = 0.0;
+  ++radar.readings_since_correction;
 }
 
 void RangeBiases::Add(const Radar& radar, double forgetting_factor, Readings& readings) const {
@@ -153,7 +159,10 @@ ScalarEstimate RangeBiases::Bounded(const ScalarEstimate& bias_m) const {
 
 void RangeBiases::Reset() {
   for (Radar& radar : radars_) {
-    radar = {.bias_m = radar.bias_m, .other_m = radar.other_m, .suspected_m = radar.suspected_m};
+    radar = {.bias_m = radar.bias_m,
+             .other_m = radar.other_m,
+             .suspected_m = radar.suspected_m,
+             .readings_since_correction = radar.readings_since_correction};
   }
 }
 
@@ -161,10 +170,32 @@ bool RangeBiases::TryOther() {
   Reset();
   bool is_known = false;
   for (Radar& radar : radars_) {
+    const bool is_established =
+        radar.bias_m && radar.readings_since_correction >= options_.established_reading_count;
+    if (is_established) continue;
     is_known = is_known || radar.bias_m || radar.other_m;
     std::swap(radar.bias_m, radar.other_m);
   }
   return is_known;
+}
+
+bool RangeBiases::KnowsNothing() const {
+  const bool is_guess = guess_count_ > 0;
+  return !was_compared_ && (is_guess || std::ranges::none_of(radars_, [](const Radar& radar) {
+                              return radar.bias_m || radar.other_m;
+                            }));
+}
+
+void RangeBiases::Guess() {
+  Reset();
+  constexpr int kGuesses = 4;
+  const int guess = guess_count_++ % kGuesses;
+  for (Radar& radar : radars_) {
+    radar.bias_m.reset();
+    if (guess % 2 != 0) continue;
+    radar.bias_m = {.value = guess == 0 ? options_.guess_m : -options_.guess_m,
+                    .variance = options_.guess_sigma_m * options_.guess_sigma_m};
+  }
 }
 
 template <int Dim>

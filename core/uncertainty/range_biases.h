@@ -44,7 +44,12 @@ struct RangeBiasOptions {
   double next_correction_sigmas = 2.5;
   /// From so many deviations on, a bias whose size is not told may be as large as any.
   double suspicion_sigmas = 2.0;
-  double corrected_sigma_m = 0.05;                ///< a bias that was learned is known no better
+  double corrected_sigma_m = 0.05;  ///< a bias that was learned is known no better
+  /// A bias of which as many readings have said nothing else is not doubted with the place.
+  int established_reading_count = 10;
+  /// Where no place was ever found, all radars may be off alike, by this.
+  double guess_m = 0.5;
+  double guess_sigma_m = 0.2;
   double max_bias_m = kMaxKnownRangeBiasError_m;  ///< no bias is taken for larger
 };
 std::span<const OptionField<RangeBiasOptions>> FieldsOf(const RangeBiasOptions& options);
@@ -95,9 +100,16 @@ class RangeBiases {
   void Reset();
 
   /// Nothing in the map looks like what the radars see. What was learned may be of a wrong pose: of
-  /// each radar whose bias was ever known the other is tried, that one or the described one.
-  /// Returns whether there are such radars.
+  /// each radar whose bias was ever known, and is not established, the other is tried, that one or
+  /// the described one. Returns whether there are such radars.
   bool TryOther();
+
+  /// Whether no scan was ever compared, and what biases there are, if any, are guesses.
+  bool KnowsNothing() const;
+
+  /// Where it knows nothing: the ranges of all radars are tried longer, as described, shorter, and
+  /// as described again.
+  void Guess();
 
  private:
   // Sums over readings, older ones weighing less.
@@ -116,6 +128,7 @@ class RangeBiases {
     double points = 0.0, lean = 0.0, decrease = 0.0;  // its sums
     Readings newest, recent, many;
     double suspected_m = 0.0;  // how far off a pose may be because of it
+    int readings_since_correction = 0;
   };
   void EndReading(Radar& radar) const;
   ScalarEstimate Bounded(const ScalarEstimate& bias_m) const;
@@ -127,6 +140,8 @@ class RangeBiases {
 
   RangeBiasOptions options_;
   std::vector<Radar> radars_;
+  bool was_compared_ = false;
+  int guess_count_ = 0;
 };
 
 /// What a metre more of range does to points (vehicle frame, in x and y) of a radar at `radar_m`

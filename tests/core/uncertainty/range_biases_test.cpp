@@ -93,6 +93,39 @@ TEST(RangeBiasesTest, WhereNothingFitsWhatWasLearnedAndWhatIsDescribedAreTriedIn
   EXPECT_EQ(biases.bias_m(0)->value, 0.7);
 }
 
+TEST(RangeBiasesTest, ABiasThatWasSeenForLongIsNotDoubtedWithThePlace) {
+  RangeBiases biases(2, {});
+  Drive(1.0).Go(biases, 130);
+  Drive(1.0).Go(biases, 130);
+  ASSERT_TRUE(biases.bias_m(0));
+  biases.Reset();
+  EXPECT_FALSE(biases.TryOther());
+  EXPECT_NEAR(biases.bias_m(0)->value, 1.0, 0.12);
+}
+
+TEST(RangeBiasesTest, WhereNoPlaceWasEverFoundAllRadarsAreGuessedToBeOffAlike) {
+  RangeBiases biases(2, {});
+  ASSERT_TRUE(biases.KnowsNothing());
+  for (const double sign : {1.0, 0.0, -1.0, 0.0, 1.0}) {
+    biases.Guess();
+    EXPECT_TRUE(biases.KnowsNothing());
+    for (const std::size_t i : {0U, 1U}) {
+      EXPECT_EQ(biases.bias_m(i).has_value(), sign != 0.0);
+      if (biases.bias_m(i)) {
+        EXPECT_EQ(biases.bias_m(i)->value, sign * biases.options().guess_m);
+      }
+    }
+  }
+  Drive(0.5).Go(biases, 2);
+  EXPECT_FALSE(biases.KnowsNothing()) << "it was held against a place";
+}
+
+TEST(RangeBiasesTest, WhatAnEarlierSessionFoundIsNoGuess) {
+  RangeBiases biases(2, {});
+  biases.Restore(0, {0.7, 1e-9});
+  EXPECT_FALSE(biases.KnowsNothing());
+}
+
 TEST(RangeBiasesTest, NoBiasIsLargerThanItsBound) {
   RangeBiases biases(1, {});
   biases.Restore(0, {1e9, 1.0});
