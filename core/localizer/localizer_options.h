@@ -67,7 +67,7 @@ struct LocalizerOptions {
   /// Where searches find nothing, ranges are supposed to be as described, or as learned. The next
   /// time after so long, then after twice as long.
   std::chrono::nanoseconds range_trial = std::chrono::seconds(1);
-  /// For so long a guess of them is tried, and what is described before the first guess.
+  /// For so long a guess of them is tried.
   std::chrono::nanoseconds range_guess = std::chrono::seconds(3);
   /// What an earlier session of the same vehicle learned. Learning begins with it.
   RigKnowledge known;

@@ -31,25 +31,31 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
 // At a wrong pose chance decides what is learned of the radars, and with that nothing fits
 // anywhere. So either is tried in turn. Biases of ranges are tried for longer and longer, as a
 // search takes several views. Where nothing was ever learned, a guess has less time than what is
-// described.
+// described: where ranges are right, too, a place may be found late, and then fits a guess as well.
 template <int Dim>
 void Pipeline<Dim>::OnSearchedInVain(Stamp stamp) {
+  constexpr int kGuessesBefore = 10;  // so many times as long as a guess before the first one
   TryOtherAzimuthSigns();
   std::optional<RangeTrial>& trial = radars_.range_trial;
   if (trial && stamp < trial->end) return;
   const bool guesses = radars_.range_biases.KnowsNothing() && relocalizer_.prior();
-  if (guesses && !trial) {
-    trial = {.duration = options_.range_guess, .end = stamp + options_.range_guess};
-    return;
+  if (guesses) {
+    const bool begins = !trial;
+    if (begins) {
+      const std::chrono::nanoseconds before = kGuessesBefore * options_.range_guess;
+      trial = {.duration = before, .end = stamp + before};
+    }
+    const auto has_guess = [&] { return radars_.range_biases.bias_m(0).has_value(); };
+    if (begins && !has_guess()) return;  // one that a place was found with, in vain, goes
+    GuessRangeBiases();
+    if (has_guess()) {
+      trial->end = stamp + options_.range_guess;
+      return;
+    }
   }
   const std::chrono::nanoseconds duration = trial ? 2 * trial->duration : options_.range_trial;
   trial = {.duration = duration, .end = stamp + duration};
-  if (guesses) {
-    GuessRangeBiases();
-    if (radars_.range_biases.bias_m(0)) trial->end = stamp + options_.range_guess;
-  } else {
-    TryOtherRangeBiases();
-  }
+  if (!guesses) TryOtherRangeBiases();
 }
 
 // No other place fits as well as the pose: neither scans nor fixes contradict it any longer. Where

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -188,12 +189,12 @@ bool RangeBiases::KnowsNothing() const {
 
 void RangeBiases::Guess() {
   Reset();
-  constexpr int kGuesses = 4;
-  const int guess = guess_count_++ % kGuesses;
+  constexpr std::array kSigns{1.0, -1.0, 0.0};
+  const double sign = kSigns.at(static_cast<std::size_t>(guess_count_++) % kSigns.size());
   for (Radar& radar : radars_) {
     radar.bias_m.reset();
-    if (guess % 2 != 0) continue;
-    radar.bias_m = {.value = guess == 0 ? options_.guess_m : -options_.guess_m,
+    if (sign == 0.0) continue;
+    radar.bias_m = {.value = sign * options_.guess_m,
                     .variance = options_.guess_sigma_m * options_.guess_sigma_m};
   }
 }

@@ -107,8 +107,8 @@ class RangeBiases {
   /// Whether no scan was ever compared, and what biases there are, if any, are guesses.
   bool KnowsNothing() const;
 
-  /// Where it knows nothing: the ranges of all radars are tried longer, as described, shorter, and
-  /// as described again.
+  /// Where it knows nothing: the ranges of all radars are supposed to be longer than described, the
+  /// next time shorter, then as described again.
   void Guess();
 
  private:

@@ -106,7 +106,7 @@ TEST(RangeBiasesTest, ABiasThatWasSeenForLongIsNotDoubtedWithThePlace) {
 TEST(RangeBiasesTest, WhereNoPlaceWasEverFoundAllRadarsAreGuessedToBeOffAlike) {
   RangeBiases biases(2, {});
   ASSERT_TRUE(biases.KnowsNothing());
-  for (const double sign : {1.0, 0.0, -1.0, 0.0, 1.0}) {
+  for (const double sign : {1.0, -1.0, 0.0, 1.0}) {
     biases.Guess();
     EXPECT_TRUE(biases.KnowsNothing());
     for (const std::size_t i : {0U, 1U}) {
