@@ -44,7 +44,7 @@ template <int Dim>
 void Pipeline<Dim>::TestLateScanFit(Stamp stamp, std::size_t radar_index,
                                     const MotionHistory::Moment& moment,
                                     Workspace<Dim>& workspace) {
-  if (!tracking_.has_pose()) return;
+  if (!tracking_.has_pose() || tracking_.is_to_be_confirmed()) return;
   const ScanFit fit = TakeScanFit(stamp, radar_index, PoseThen(moment), workspace);
   if (IsTrusted(radar_index, stamp)) UpdateTrackingByScanFit(fit);
 }
