@@ -154,10 +154,10 @@ bool RangeRateOffsets::OnScan(Stamp stamp, std::size_t index, const Scan& scan,
                               const RadarModel& radar) {
   Watched& watched = radars_[index];
   if (watched.last && stamp - *watched.last < options_.interval) return false;
+  watched.last = stamp;  // also where it tells nothing: looking costs as much
   const auto seed = static_cast<std::uint32_t>(stamp.time_since_epoch().count());
   const auto reading = RangeRateOffsetOfScan(scan, radar, seed, options_, workspace_);
   if (!reading) return false;
-  watched.last = stamp;
   Add(*reading, watched);
   const double offset_mps = EvidentOffset(watched);
   if (std::abs(offset_mps - watched.applied_mps) < options_.min_change_mps) return false;
