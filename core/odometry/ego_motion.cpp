@@ -312,7 +312,7 @@ void EgoMotion::AddHeldSpread() {
 }
 
 std::optional<EgoMotion::AlternativePlace> EgoMotion::Alternative(std::size_t radar_index) const {
-  const std::optional<SourceMonitor::PlanarMotion> motion = sources_.Alternative(radar_index);
+  const std::optional<ArcMotion> motion = sources_.Alternative(radar_index);
   if (!motion) return std::nullopt;
   Vector6d step = Vector6d::Zero();
   step(0) = motion->forward_m;

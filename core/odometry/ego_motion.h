@@ -123,8 +123,8 @@ class EgoMotion {
 
   /// Where the vehicle would be now if other sources were sound.
   struct AlternativePlace {
-    SourceMonitor::PlanarMotion motion;  ///< beyond the motion that was used
-    Pose3 T_used_alternative;            ///< the same as a pose
+    ArcMotion motion;          ///< beyond the motion that was used
+    Pose3 T_used_alternative;  ///< the same as a pose
   };
   /// The most probable such place; see SourceMonitor::Alternative.
   std::optional<AlternativePlace> Alternative(std::size_t radar_index) const;

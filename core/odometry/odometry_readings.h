@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "core/odometry/doppler_ego_velocity.h"
-#include "core/odometry/source_monitor.h"
+#include "core/odometry/odometry_sources.h"
 #include "core/radar/scan.h"
 
 namespace dcloc {

@@ -52,7 +52,7 @@ void SourceMonitor::SeeMotion(const RegistrationEvidence& evidence) {
       has_lag ? 1.0 - std::exp(-SecondsOf(*newest_ - *newest_registered_) / age_s) : 1.0;
   newest_registered_ = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const PlanarMotion now_seen{
+    const ArcMotion now_seen{
         evidence.observes_along_track ? seen * hypothesis.unseen.forward_m : 0.0,
         seen * hypothesis.unseen.turn_rad};
     hypothesis.unseen -= now_seen;
@@ -72,7 +72,7 @@ void SourceMonitor::OnRegistration(const Pose2& T_map_vehicle,
       if (!evidence.observes_along_track) continue;
       hypothesis.unapplied.forward_m = is_disputed ? hypothesis.unseen.forward_m : 0.0;
     }
-    accepted_or_tried_ = newest_;
+    OnSourcesFit(*newest_);
     trial_count_ = 1;
   }
   CompareScales(T_map_vehicle, evidence);
@@ -170,13 +170,13 @@ void SourceMonitor::CompareWithRegistration(const Pose2& T_map_vehicle,
   Normalize();
 }
 
-SourceMonitor::PlanarMotion SourceMonitor::BesideBest(const Hypothesis& hypothesis) const {
-  PlanarMotion beside = hypothesis.unapplied;
+ArcMotion SourceMonitor::BesideBest(const Hypothesis& hypothesis) const {
+  ArcMotion beside = hypothesis.unapplied;
   return beside -= best().unapplied;
 }
 
 // How far two places are apart: from 1 on scans tell them apart.
-double SourceMonitor::Apart(const PlanarMotion& a, const PlanarMotion& b) const {
+double SourceMonitor::Apart(const ArcMotion& a, const ArcMotion& b) const {
   return std::hypot((a.forward_m - b.forward_m) / options_.min_alternative_distance_m,
                     (a.turn_rad - b.turn_rad) / options_.min_alternative_turn_rad);
 }
@@ -184,14 +184,13 @@ double SourceMonitor::Apart(const PlanarMotion& a, const PlanarMotion& b) const 
 // Whether the sources of a hypothesis say if the vehicle has moved by `difference` beyond the
 // motion of the best one.
 bool SourceMonitor::MeasuresDifference(const Hypothesis& hypothesis,
-                                       const PlanarMotion& difference) const {
+                                       const ArcMotion& difference) const {
   const bool moves = std::abs(difference.forward_m) >= options_.min_alternative_distance_m;
   const bool turns = std::abs(difference.turn_rad) >= options_.min_alternative_turn_rad;
   return (!moves || MeasuresSpeed(hypothesis)) && (!turns || MeasuresYawRate(hypothesis));
 }
 
-std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
-    std::size_t radar_index) const {
+std::optional<ArcMotion> SourceMonitor::Alternative(std::size_t radar_index) const {
   const bool was_compared =
       radar_index < fits_compared_.size() && fits_compared_[radar_index].has_value();
   if (was_compared && *newest_ - *fits_compared_[radar_index] < options_.interval) {
@@ -214,12 +213,12 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::Alternative(
 
 // METHOD eq 50. Each hypothesis is as probable as the nearer of the two places fits. One whose
 // sources are silent has no place of its own: it counts with the mean.
-void SourceMonitor::OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
+void SourceMonitor::OnFits(std::size_t radar_index, const ArcMotion& alternative, double fit,
                            double alternative_fit) {
   fits_compared_.resize(std::max(fits_compared_.size(), radar_index + 1));
   fits_compared_[radar_index] = newest_;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const PlanarMotion own = BesideBest(hypothesis);
+    const ArcMotion own = BesideBest(hypothesis);
     const double own_fit = !MeasuresDifference(hypothesis, alternative)
                                ? 0.5 * (fit + alternative_fit)
                            : Apart(own, alternative) < Apart(own, {}) ? alternative_fit

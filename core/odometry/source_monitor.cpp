@@ -190,6 +190,7 @@ OdometryReadings SourceMonitor::WithFloors(const OdometryReadings& readings) con
 void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
   if (newest_) since_used_s_ = SecondsOf(stamp - *newest_);
   newest_ = stamp;
+  travel_.OnReadings(readings);
   if (compared_ && stamp - *compared_ < options_.interval) return;
   const bool joins = Joins(stamp, readings);
   if (!compared_ || joins) Begin(readings);
@@ -237,9 +238,9 @@ void SourceMonitor::OnReadings(Stamp stamp, const OdometryReadings& readings) {
 
 // Hypotheses that explain the readings equally well stay as probable as they are unless a
 // registration tells them apart. So they begin anew without the best one, with which nothing was
-// registered.
+// registered; each as if its sources had been sound since the last registration.
 void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
-  if (!accepted_or_tried_ || best().sound.all()) accepted_or_tried_ = stamp;
+  if (!accepted_or_tried_ || best().sound.all()) OnSourcesFit(stamp);
   if (stamp - *accepted_or_tried_ < trial_count_ * options_.trial_span) return;
   accepted_or_tried_ = stamp;
   // With the right sources, too, finding the place takes a while.
@@ -247,9 +248,17 @@ void SourceMonitor::TryOthers(Stamp stamp, const OdometryReadings& readings) {
   const std::size_t refuted = best_;
   yaw_rate_is_stuck_ = false;
   Begin(readings);
+  for (Hypothesis& hypothesis : hypotheses_) {
+    hypothesis.unapplied = hypothesis.unseen = travel_.BeyondUsed(hypothesis.sound);
+  }
   DoubtFastReverse();
   hypotheses_[refuted].log_weight = -options_.max_log_ratio;
   Normalize();
+}
+
+void SourceMonitor::OnSourcesFit(Stamp stamp) {
+  accepted_or_tried_ = stamp;
+  travel_.Begin();
 }
 
 // METHOD eq 42: of the hypotheses that may have become this one, the most probable, carried on.

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <bitset>
 #include <chrono>
 #include <cstddef>
 #include <optional>
@@ -11,50 +10,14 @@
 #include "absl/status/status.h"
 #include "core/geometry/pose.h"
 #include "core/odometry/motion.h"
+#include "core/odometry/odometry_sources.h"
 #include "core/odometry/scalar_estimate.h"
-#include "core/odometry/single_radar_yaw_rate.h"
+#include "core/odometry/source_travel.h"
 #include "core/options/option_fields.h"
 #include "core/radar/scan.h"
 #include "core/radar/static_points.h"
 
 namespace dcloc {
-
-/// What says how the vehicle moves.
-enum class OdometrySource : std::size_t { kWheelSpeed, kYawRate, kDoppler };
-inline constexpr std::size_t kOdometrySourceCount = 3;
-
-/// A set of sources, by their number.
-using OdometrySources = std::bitset<kOdometrySourceCount>;
-inline bool Contains(const OdometrySources& sources, OdometrySource source) {
-  return sources[static_cast<std::size_t>(source)];
-}
-
-/// What the sources say at one moment; those that are silent are absent. Speeds are forward, of the
-/// vehicle frame's origin [m/s]; yaw rates counter-clockwise [rad/s].
-struct OdometryReadings {
-  std::optional<ScalarEstimate> wheel_speed;
-  std::optional<ScalarEstimate> yaw_rate;
-  bool yaw_rate_is_repeated = false;  ///< see RepeatedYawRate
-  std::optional<ScalarEstimate> doppler_speed;
-  std::optional<ScalarEstimate> doppler_yaw_rate;  ///< there only when doppler_speed is
-  /// There only when doppler_speed and yaw_rate are, and doppler_yaw_rate is not.
-  std::optional<SingleRadarReading> single_radar;
-  /// What the targets say that contradict those of `doppler_speed`, where they agree among
-  /// themselves: of the two, one is a convoy's, and the hypotheses choose.
-  std::optional<ScalarEstimate> alternative_speed;
-  std::optional<ScalarEstimate> alternative_yaw_rate;  ///< there only when alternative_speed is
-  /// How many directions, ten degrees wide, the Doppler's inliers lie in: one mover that fills the
-  /// view is seen in few.
-  int doppler_direction_count = 0;
-  /// Of these, those with targets that move for a standing vehicle; and directions with targets
-  /// that stand still for it, and do not for the Doppler.
-  int moving_direction_count = 0;
-  int standing_direction_count = 0;
-  std::size_t doppler_radar_count = 0;  ///< radars whose scans the Doppler is of
-  /// Doppler has told the wheels' scale. If it errs, it says this multiple of the speed, and so do
-  /// the wheels by that scale.
-  double doppler_multiple = 1.0;
-};
 
 /// What a registration says of the motion before it.
 struct RegistrationEvidence {
@@ -217,25 +180,10 @@ class SourceMonitor {
   ScalarEstimate speed() const { return Mixed(&Hypothesis::speed); }
   ScalarEstimate yaw_rate() const { return Mixed(&Hypothesis::yaw_rate); }
 
-  /// A motion in the plane, along an arc.
-  struct PlanarMotion {
-    double forward_m = 0.0;
-    double turn_rad = 0.0;  ///< counter-clockwise
-
-    PlanarMotion& operator+=(const PlanarMotion& other) {
-      forward_m += other.forward_m;
-      turn_rad += other.turn_rad;
-      return *this;
-    }
-    PlanarMotion& operator-=(const PlanarMotion& other) {
-      return *this += {-other.forward_m, -other.turn_rad};
-    }
-  };
-
   /// Reports the motion that the pose used between the last two readings [m, rad]. If the set of
   /// sound sources has changed since the last call, returns the correction to apply: the motion by
   /// the new set, minus what was used, as far as no accepted registration has seen it.
-  std::optional<PlanarMotion> OnUsedMotion(double forward_m, double turn_rad);
+  std::optional<ArcMotion> OnUsedMotion(double forward_m, double turn_rad);
 
   /// The model spread: how the hypotheses that are probable differ from the motion that was used,
   /// as far as no accepted registration has seen it, and from the velocity now. Zero while they
@@ -255,12 +203,12 @@ class SourceMonitor {
   /// The most probable other motion, besides the one that was used, that is not improbable and puts
   /// the vehicle elsewhere or has turned it otherwise. Nothing too soon after the
   /// last `OnFits` of radar `radar_index`: what radars see of one moment counts for each of them.
-  std::optional<PlanarMotion> Alternative(std::size_t radar_index) const;
+  std::optional<ArcMotion> Alternative(std::size_t radar_index) const;
 
   /// How a scan of that radar at the last readings fits the map, [0, 1]: `fit` where the vehicle is
   /// by the motion that was used, `alternative_fit` where `alternative` puts it. `alternative` is
   /// what `Alternative` returned for these readings.
-  void OnFits(std::size_t radar_index, const PlanarMotion& alternative, double fit,
+  void OnFits(std::size_t radar_index, const ArcMotion& alternative, double fit,
               double alternative_fit);
 
  private:
@@ -273,16 +221,16 @@ class SourceMonitor {
     // At the last OnUsedMotion.
     double previous_speed_mps = 0.0;
     double previous_yaw_rate_radps = 0.0;
-    PlanarMotion unapplied;          // beyond the motion that was used
-    PlanarMotion unseen;             // of that, what registrations do not see yet
-    PlanarMotion since_registered;   // the motion that registrations see
+    ArcMotion unapplied;             // beyond the motion that was used
+    ArcMotion unseen;                // of that, what registrations do not see yet
+    ArcMotion since_registered;      // the motion that registrations see
     double since_reference_m = 0.0;  // along-track, since `scale_reference_`
     double log_evidence = 0.0;       // that it has added to the weight
 
     // Since the last call, by the means of both ends: half a second apart, they may differ by much.
-    PlanarMotion MotionIn(double duration_s) {
-      const PlanarMotion motion{0.5 * (previous_speed_mps + speed.value) * duration_s,
-                                0.5 * (previous_yaw_rate_radps + yaw_rate.value) * duration_s};
+    ArcMotion MotionIn(double duration_s) {
+      const ArcMotion motion{0.5 * (previous_speed_mps + speed.value) * duration_s,
+                             0.5 * (previous_yaw_rate_radps + yaw_rate.value) * duration_s};
       previous_speed_mps = speed.value;
       previous_yaw_rate_radps = yaw_rate.value;
       return motion;
@@ -343,11 +291,12 @@ class SourceMonitor {
   void DoubtFastReverse();
   void DoubtStanding(const OdometryReadings& readings);
   void TryOthers(Stamp stamp, const OdometryReadings& readings);
+  void OnSourcesFit(Stamp stamp);
   // Whether it is open if Doppler has told the right scale of the wheels.
   bool ScaleIsOpen() const { return before_.doppler_multiple != 1.0; }
-  PlanarMotion BesideBest(const Hypothesis& hypothesis) const;
-  double Apart(const PlanarMotion& a, const PlanarMotion& b) const;
-  bool MeasuresDifference(const Hypothesis& hypothesis, const PlanarMotion& difference) const;
+  ArcMotion BesideBest(const Hypothesis& hypothesis) const;
+  double Apart(const ArcMotion& a, const ArcMotion& b) const;
+  bool MeasuresDifference(const Hypothesis& hypothesis, const ArcMotion& difference) const;
   void SeeMotion(const RegistrationEvidence& evidence);
   void CompareScales(const Pose2& T_map_vehicle, const RegistrationEvidence& evidence);
   void CompareWithReference(const Pose2& T_map_vehicle);
@@ -386,6 +335,7 @@ class SourceMonitor {
   // spans.
   std::optional<Stamp> accepted_or_tried_;
   int trial_count_ = 1;
+  SourceTravel travel_;  // since registrations last fitted the sources, or all of these each other
 };
 
 }  // namespace dcloc

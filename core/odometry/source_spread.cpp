@@ -51,14 +51,14 @@ bool SourceMonitor::IsCertain(OdometrySource source) const {
   });
 }
 
-std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double forward_m,
-                                                                       double turn_rad) {
+std::optional<ArcMotion> SourceMonitor::OnUsedMotion(double forward_m, double turn_rad) {
   const double unseen_s2 = since_used_s_ * since_used_s_ / 8.0;
   unseen_s4_ += unseen_s2 * unseen_s2;
+  travel_.OnUsedMotion({forward_m, turn_rad}, since_used_s_);
   if (scale_reference_) scale_reference_->unseen_s4 += unseen_s2 * unseen_s2;
   for (Hypothesis& hypothesis : hypotheses_) {
-    const PlanarMotion own = hypothesis.MotionIn(since_used_s_);
-    const PlanarMotion beyond{own.forward_m - forward_m, own.turn_rad - turn_rad};
+    const ArcMotion own = hypothesis.MotionIn(since_used_s_);
+    const ArcMotion beyond{own.forward_m - forward_m, own.turn_rad - turn_rad};
     hypothesis.unapplied += beyond;
     hypothesis.unseen += beyond;
     hypothesis.since_registered += {forward_m, turn_rad};
@@ -67,13 +67,14 @@ std::optional<SourceMonitor::PlanarMotion> SourceMonitor::OnUsedMotion(double fo
   if (best().sound == used_) return std::nullopt;
   used_ = best().sound;
   // What the others say is besides what the best one has added now.
-  const PlanarMotion unapplied = best().unapplied;
+  const ArcMotion unapplied = best().unapplied;
   for (Hypothesis& hypothesis : hypotheses_) {
     hypothesis.unapplied -= unapplied;
     hypothesis.unseen -= unapplied;
     hypothesis.since_registered += unapplied;
     hypothesis.since_reference_m += unapplied.forward_m;
   }
+  travel_.OnCorrection(unapplied);
   return unapplied;
 }
 

@@ -39,8 +39,9 @@ class Vehicle {
       stamp_ += milliseconds(scan_ms);
       monitor.OnReadings(stamp_, readings);
       const Eigen::Vector3d moved = Moved(1e-3 * scan_ms);
-      unapplied = monitor.OnUsedMotion(
+      const auto correction = monitor.OnUsedMotion(
           used(readings.wheel_speed, speed_mps) / speed_mps * moved.x(), moved.z());
+      if (correction) corrected_m += correction->forward_m;
       T_map_vehicle_ = T_map_vehicle_ * Exp(moved);
       if (is_registered) monitor.OnRegistration(T_map_vehicle_, {});
       if (!found_wrong_after_s && monitor.sound() != OdometrySources(7)) {
@@ -54,7 +55,7 @@ class Vehicle {
   int scan_ms = kScan_ms;
   double turn_radps = 0.15;                   // at most
   std::optional<double> found_wrong_after_s;  // since the drive's beginning
-  std::optional<SourceMonitor::PlanarMotion> unapplied;
+  double corrected_m = 0.0;
 
  private:
   double SpeedAt(double time_s) const { return 15.0 + 3.0 * std::sin(0.4 * time_s); }
@@ -156,9 +157,12 @@ TEST(SourceMonitorTest, WhereNothingIsRegisteredOthersAreTried) {
   vehicle.Drive(10.0);
   vehicle.Drive(3.0, mover);
   ASSERT_FALSE(vehicle.monitor.IsSound(OdometrySource::kDoppler));
+  ASSERT_NEAR(vehicle.corrected_m, 0.0, 2.0);
   vehicle.Drive(2.0, mover);
   EXPECT_TRUE(vehicle.monitor.IsSound(OdometrySource::kDoppler));
   EXPECT_FALSE(vehicle.monitor.IsSound(OdometrySource::kWheelSpeed));
+  const double at_12_instead_of_4_mps_m = 3.5 * (12.0 - 4.0);
+  EXPECT_NEAR(vehicle.corrected_m, -at_12_instead_of_4_mps_m, 3.0) << "all along";
 }
 
 // A gyro that is off by less than Doppler can tell.
