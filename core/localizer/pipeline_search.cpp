@@ -14,10 +14,11 @@ std::optional<typename Pipeline<Dim>::Place> Pipeline<Dim>::SearchPlace(
   if (tracking_.has_pose()) {
     if (!tracking_.ShouldSearchBeside()) return std::nullopt;
     if (radars_.scan_checker.IsTooSoonToJudge(stamp, live_.submap.span())) return std::nullopt;
+    const bool is_prior = tracking_.is_undoubted_prior();
+    const bool is_held_widely = is_prior || tracking_.requires_verification();
     expected = {.T_map_vehicle = NowInMap().pose,
-                .basis = tracking_.is_undoubted_prior() ? Basis::kPrior : Basis::kSuspect,
-                .min_radius_m =
-                    tracking_.requires_verification() ? options_.prior.max_region_radius_m : 0.0};
+                .basis = is_prior ? Basis::kPrior : Basis::kSuspect,
+                .min_radius_m = is_held_widely ? options_.prior.max_region_radius_m : 0.0};
     if (!relocalizer_.prior()) relocalizer_.SetPrior(NowInMap());
   }
   const int failed_count = relocalizer_.failed_search_count();

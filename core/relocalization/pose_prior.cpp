@@ -66,7 +66,9 @@ std::optional<SearchRegion> PosePrior::Region(int failed_search_count, double mi
                std::pow(options_.region_growth_factor, failed_search_count);
     max_yaw_offset_rad = std::numbers::pi;
   }
-  radius_m = std::max(radius_m, min_radius_m);
+  const int growth_of_min = std::max(0, failed_search_count - 1);
+  radius_m =
+      std::max(radius_m, min_radius_m * std::pow(options_.region_growth_factor, growth_of_min));
   // Written so that a radius that is not a number is no region.
   if (!(radius_m <= options_.max_region_radius_m)) return std::nullopt;
   return SearchRegion{.centre_m = then_.pose.translation_m.head<2>(),

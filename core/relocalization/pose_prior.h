@@ -51,7 +51,8 @@ class PosePrior {
 
   /// The positions and headings to search, after `failed_search_count` searches without a result.
   /// They are those of the moment of `Set`; `T_then_now` is the better known motion since then.
-  /// Nothing without a prior, or when the radius exceeds `max_region_radius_m`.
+  /// The radius is at least `min_radius_m`, which grows from the second such search on. Nothing
+  /// without a prior, or when the radius exceeds `max_region_radius_m`.
   std::optional<SearchRegion> Region(int failed_search_count = 0, double min_radius_m = 0.0) const;
 
  private:

@@ -90,8 +90,9 @@ std::vector<Fault> PlaceFaults() {
   }
   faults.push_back(MakePlaceFault("prior-20m", "prior 20 m off, claims 0.5 m and 1 deg", 0.0,
                                   Misplacing(20.0, 0.0, false)));
-  // Guard rails have a post every 4 m.
-  for (const int distance_m : {4, 6}) {
+  // Guard rails have a post every 4 m. By their posts, places that are further apart look alike,
+  // too.
+  for (const int distance_m : {4, 6, 40, 100}) {
     faults.push_back(MakePlaceFault(
         absl::StrCat("prior-", distance_m, "m"),
         absl::StrCat("prior ", distance_m, " m off along the way, claims 0.5 m and 1 deg"), 0.0,

@@ -34,6 +34,8 @@ TEST(PosePriorTest, ARegionIsAsLargeAsIsAsked) {
   EXPECT_LT(prior.Region(0)->radius_m, 2.0);
   EXPECT_EQ(prior.Region(0, 150.0)->radius_m, 150.0);
   EXPECT_FALSE(prior.Region(0, 151.0).has_value()) << "the whole map";
+  EXPECT_EQ(prior.Region(1, 150.0)->radius_m, 150.0) << "not searched yet";
+  EXPECT_FALSE(prior.Region(2, 150.0).has_value()) << "in vain";
 }
 
 TEST(PosePriorTest, IsCarriedOnByOdometryAndGrows) {

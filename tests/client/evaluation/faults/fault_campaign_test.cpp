@@ -99,6 +99,20 @@ TEST(FaultCampaignTest, TriesFaultsBesideTheDriveAsItIs) {
   EXPECT_EQ(load_count, 1);
 }
 
+// On this highway a place 40 m on looks alike.
+TEST(FaultCampaignTest, APriorAtAnotherPlaceOfAHighwayIsNotTracked) {
+  constexpr int kSeed = 4503;
+  Selection selection{AllFaults(false), SimulatedWorlds(kSeed, false)};
+  std::erase_if(selection.faults, [](const Fault& fault) { return fault.id != "place-prior-40m"; });
+  std::erase_if(selection.worlds, [](const World& world) { return world.name != "highway-2"; });
+  RecordMemory store;
+  const auto results = RunFaultCampaign(selection, store, 1, kQuiet);
+  ASSERT_TRUE(results.ok()) << results.status();
+  ASSERT_EQ(results->size(), 2U);
+  EXPECT_EQ(results->at(1).record.tally.wrong, 0U);
+  EXPECT_GT(results->at(1).record.tally.tracking, 850U);
+}
+
 TEST(FaultCampaignTest, GoesOnWhereItWasWithAnyNumberOfThreads) {
   int first_count = 0, second_count = 0;
   RecordMemory store;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "core/geometry/degrees.h"
 #include "tests/client/evaluation/faults/made_stream.h"
@@ -44,17 +45,14 @@ TEST(PlaceFaultsTest, APriorIsWrongAndSure) {
     EXPECT_NEAR(stream.prior.covariance(0, 0), 0.25, 1e-12) << fault.id;
     EXPECT_NEAR(stream.prior.covariance(5, 5), std::pow(kRadPerDeg, 2), 1e-12) << fault.id;
     const Pose3& prior = stream.prior.T_map_vehicle;
-    const double distance_m = fault.id == "place-prior-20m"  ? 20.0
-                              : fault.id == "place-prior-6m" ? 6.0
-                              : fault.id == "place-prior-4m" ? 4.0
-                                                             : 0.0;
+    const bool is_turned = fault.id == "place-prior-180deg";
+    const double distance_m =
+        is_turned ? 0.0 : std::stod(fault.id.substr(std::string("place-prior-").size()));
     EXPECT_NEAR(prior.translation_m.norm(), distance_m, 1e-9) << fault.id;
-    if (fault.id == "place-prior-6m") {
-      EXPECT_NEAR(prior.translation_m.y(), 0.0, 1e-9);
+    if (fault.id != "place-prior-20m") {
+      EXPECT_NEAR(prior.translation_m.y(), 0.0, 1e-9) << fault.id;
     }
-    EXPECT_NEAR(RotationAngle(prior), fault.id == "place-prior-180deg" ? std::numbers::pi : 0.0,
-                1e-9)
-        << fault.id;
+    EXPECT_NEAR(RotationAngle(prior), is_turned ? std::numbers::pi : 0.0, 1e-9) << fault.id;
   }
 }
 
