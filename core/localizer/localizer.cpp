@@ -47,6 +47,8 @@ struct Localizer::Impl {
                                            StageListener* listener);
   void AddClocksTo(RigKnowledge& known) const;
   void CheckStamp(std::size_t radar_index, const Scan& scan, LocalizerWorkspace& workspace);
+  void CheckOrder(std::size_t radar_index, const Scan& scan, Stamp stamp,
+                  LocalizerWorkspace& workspace);
 };
 
 absl::StatusOr<Localizer> Localizer::Create(std::shared_ptr<const RadarMap> map, Rig rig,
@@ -115,6 +117,21 @@ void Localizer::Impl::CheckStamp(std::size_t radar_index, const Scan& scan,
   pipeline->OnStamp(stamp_monitor.ErrorOf(radar_index));
 }
 
+// A clock that is off from the start was never set. Where it is, a scan of its radar was taken
+// earlier, and one of another radar fits later if the pose follows that clock.
+void Localizer::Impl::CheckOrder(std::size_t radar_index, const Scan& scan, Stamp stamp,
+                                 LocalizerWorkspace& workspace) {
+  const std::optional<RadarClocks::Suspect> suspect = radar_clocks.Suspected();
+  if (!suspect) return;
+  const bool is_suspect = radar_index == suspect->index;
+  const auto fit = pipeline->TryFit(scan, stamp, workspace);
+  const auto moved = pipeline->TryFit(
+      scan, is_suspect ? stamp - suspect->ahead : stamp + suspect->ahead, workspace);
+  if (fit && moved && radar_clocks.OnFits(*suspect, radar_index, fit->fit, moved->fit)) {
+    radar_clocks.OnStep(suspect->index, suspect->ahead);
+  }
+}
+
 absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
                                                           LocalizerWorkspace& workspace,
                                                           StageListener* listener) {
@@ -131,6 +148,7 @@ absl::StatusOr<Localization> Localizer::Impl::LocalizeNew(const Scan& scan,
     stamp_monitor.Withdraw(index);
     return time.status();
   }
+  CheckOrder(index, scan, time->stamp, workspace);
   return time->is_late ? pipeline->LocalizeLate(scan, time->stamp, workspace)
                        : pipeline->LocalizeNext(scan, *time, workspace, listener);
 }

@@ -12,6 +12,11 @@ std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptio
       {"max_lead_ms", &O::max_lead, 1, 1e6},
       {"min_scans", &O::min_scans, 2, 100},
       {"offset_sigma_s", &O::offset_sigma_s, 1e-6, 10},
+      {"min_suspected_ms", &O::min_suspected, 0, 1e4, "any order that is not the stamps' counts"},
+      {"fit_forgetting_factor", &O::fit_forgetting_factor, 0, 0.999,
+       "the newest scan alone counts"},
+      {"deciding_fit", &O::deciding_fit, 1e-3, 100},
+      {"rest_scans", &O::rest_scans, 0, 1'000'000, "a clock is suspected again at once"},
   };
   return kFields;
 }
@@ -30,6 +35,7 @@ std::optional<Stamp> RadarClocks::Align(std::size_t index, Stamp stamp) {
   Watched& radar = radars_[index];
   radar.since_others.resize(radars_.size());
   ++arrivals_;
+  trial_.rest = std::max(0, trial_.rest - 1);
   Compare(index, stamp - radar.offset);
   if (DiffersFromMost(index)) CorrectOffset(index);
   const Stamp aligned = stamp - radar.offset;
@@ -93,15 +99,63 @@ bool RadarClocks::DiffersFromMost(std::size_t index) const {
   return 2 * behind > others || 2 * ahead > others;
 }
 
-void RadarClocks::CorrectOffset(std::size_t index) {
+std::chrono::nanoseconds RadarClocks::AheadOfMost(std::size_t index) const {
   absl::InlinedVector<std::chrono::nanoseconds, kMaxRadars> ahead;
   for (std::size_t i = 0; i < radars_.size(); ++i) {
     if (i == index) continue;
     if (const auto of_other = RelativeOffset(index, i)) ahead.push_back(*of_other);
   }
+  if (ahead.empty()) return std::chrono::nanoseconds(0);
   const auto middle = ahead.begin() + static_cast<std::ptrdiff_t>(ahead.size() / 2);
   std::nth_element(ahead.begin(), middle, ahead.end());
-  radars_[index].offset += *middle;
+  return *middle;
+}
+
+std::optional<RadarClocks::Suspect> RadarClocks::Suspected() const {
+  if (trial_.rest > 0) return std::nullopt;
+  std::optional<Suspect> suspect;
+  for (std::size_t index = 0; index < radars_.size(); ++index) {
+    int others = 0, ahead = 0, behind = 0;
+    for (std::size_t i = 0; i < radars_.size(); ++i) {
+      if (i == index || !RelativeOffset(index, i)) continue;
+      ++others;
+      if (*MinLag(i, index) >= options_.min_suspected) ++ahead;
+      if (*MinLag(index, i) >= options_.min_suspected) ++behind;
+    }
+    const int apart = std::max(ahead, behind);
+    if (apart < 2 || 2 * apart < others) continue;
+    const std::chrono::nanoseconds by = AheadOfMost(index);
+    if (!suspect || std::chrono::abs(by) > std::chrono::abs(suspect->ahead)) suspect = {index, by};
+  }
+  return suspect;
+}
+
+// METHOD eq 53. Where its clock is off, the suspect fits elsewhere than the others, and the pose
+// follows the one or the others: moved scans of either fit better, and not of both. Where it is
+// right, neither do; where the pose is wrong along the way, both may.
+bool RadarClocks::OnFits(const Suspect& suspect, std::size_t index, double as_stamped,
+                         double moved) {
+  if (trial_.index != suspect.index) trial_ = {.index = suspect.index};
+  const double lead = moved - as_stamped;
+  const double keep = options_.fit_forgetting_factor;
+  if (index == suspect.index) {
+    trial_.of_suspect = keep * trial_.of_suspect + lead;
+    trial_.of_others *= keep;
+  } else {
+    trial_.of_others += lead / static_cast<double>(radars_.size() - 1);
+  }
+  const double both = trial_.of_suspect + trial_.of_others;
+  const double is_off = std::max(trial_.of_suspect, trial_.of_others) - std::max(0.0, both);
+  const double is_right = -std::max(trial_.of_suspect, trial_.of_others);
+  const bool is_decided = std::max(is_off, is_right) >= options_.deciding_fit;
+  if (is_decided) {
+    trial_ = {.index = suspect.index, .rest = is_off > is_right ? 0 : options_.rest_scans};
+  }
+  return is_decided && is_off > is_right;
+}
+
+void RadarClocks::CorrectOffset(std::size_t index) {
+  radars_[index].offset += AheadOfMost(index);
   ResetComparisons(index);
 }
 

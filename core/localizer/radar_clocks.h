@@ -20,7 +20,7 @@ struct RadarClocksOptions {
   /// While all clocks agree, a scan lies at most this far behind one that arrived before it.
   std::chrono::nanoseconds max_behind = std::chrono::milliseconds(300);
   /// While all clocks agree, a scan lies at most this far ahead of one that arrives after it.
-  std::chrono::nanoseconds max_ahead = std::chrono::milliseconds(100);
+  std::chrono::nanoseconds max_ahead = std::chrono::milliseconds(300);
   /// A scan that lies further ahead of all others is not used until it is known why.
   std::chrono::nanoseconds max_lead = std::chrono::seconds(1);
   /// Scans in a row that must show an offset before it is corrected.
@@ -28,6 +28,16 @@ struct RadarClocksOptions {
   /// Standard deviation of an offset [s]. The order of arrival gives it to within the time between
   /// two scans of different radars.
   double offset_sigma_s = 0.05;
+  // Within the bounds above, a radar that is ahead of half of the others, or behind, is suspected:
+  // its clock is off, or scans come late. How they fit the map tells which.
+  /// By so much it is ahead or behind at least.
+  std::chrono::nanoseconds min_suspected = std::chrono::milliseconds(5);
+  /// Weight of older differences of fits beside the newest one, [0, 1).
+  double fit_forgetting_factor = 0.95;
+  /// The clock is off, or is not, when the weighted sum of these differences says it by this.
+  double deciding_fit = 0.8;
+  /// Scans for which a clock is not suspected after it was found to be right.
+  int rest_scans = 500;
 };
 std::span<const OptionField<RadarClocksOptions>> FieldsOf(const RadarClocksOptions& options);
 absl::Status Validate(const RadarClocksOptions& options);
@@ -46,6 +56,20 @@ class RadarClocks {
 
   /// The clock of radar `index` was set: it is ahead by `step` more than before.
   void OnStep(std::size_t index, std::chrono::nanoseconds step);
+
+  /// A radar whose clock may be off: by the order of arrival it is `ahead` of half of the others,
+  /// or behind them where that is negative. Nothing with fewer than three radars.
+  struct Suspect {
+    std::size_t index;
+    std::chrono::nanoseconds ahead;
+  };
+  std::optional<Suspect> Suspected() const;
+
+  /// While a radar is suspected: a scan of radar `index`, which was sent last, fits the map by
+  /// `as_stamped` and, if radars were apart by what is suspected, by `moved`: that of the suspect
+  /// at an earlier moment by what it is ahead, that of another at a later one. Returns whether the
+  /// suspect's clock is off for sure.
+  bool OnFits(const Suspect& suspect, std::size_t index, double as_stamped, double moved);
 
   /// By how much the clock of radar `index` is ahead of that of the rig.
   std::chrono::nanoseconds Offset(std::size_t index) const { return radars_[index].offset; }
@@ -76,13 +100,24 @@ class RadarClocks {
   /// The middle of what the order of arrival allows for by how much `a` is ahead of `b`.
   std::optional<std::chrono::nanoseconds> RelativeOffset(std::size_t a, std::size_t b) const;
   bool DiffersFromMost(std::size_t index) const;
+  /// The median over the others.
+  std::chrono::nanoseconds AheadOfMost(std::size_t index) const;
   void CorrectOffset(std::size_t index);
   void ResetComparisons(std::size_t index);
   bool HasJumped(std::size_t index, Stamp stamp) const;
 
+  // What fits have said of a suspect, each the weighted sum of by how much better moved scans fit.
+  struct Trial {
+    std::size_t index = 0;
+    double of_suspect = 0.0;
+    double of_others = 0.0;  // for one scan of each of them
+    int rest = 0;            // scans that are not asked
+  };
+
   RadarClocksOptions options_;
   std::vector<Watched> radars_;
   std::size_t arrivals_ = 0;
+  Trial trial_;
 };
 
 }  // namespace dcloc

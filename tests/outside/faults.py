@@ -43,6 +43,11 @@ def late(most_s):
     return apply
 
 
+def late_but(radar, by_s):
+    return lambda scans, _: sorted(
+        scans, key=lambda scan: scan["t"] + (0.0 if scan["radar"] == radar else by_s))
+
+
 def thinned(share):
     return lambda scans, random: [scan for scan in scans if random.random() < share]
 
@@ -88,7 +93,9 @@ FAULTS = {
     "coarse steps": each(coarse),
     "half of the scans lost": thinned(0.5),
     "scans up to 250 ms late": late(0.25),
+    "all but front 0.2 s late": late_but("front", 0.2),
     "front 0.1 s ahead, always": each(stamped(0.1), radar="front"),
+    "front 0.25 s behind, always": each(stamped(-0.25), radar="front"),
     "clock 5 s back": each(stamped(-5.0), BEGIN_S),
     "front azimuths + 4 deg": each(multiplied("azimuth", 1.0, numpy.radians(4.0)), radar="front"),
     "front azimuths mirrored": each(multiplied("azimuth", -1.0), radar="front"),

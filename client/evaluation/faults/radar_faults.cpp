@@ -33,6 +33,13 @@ Fault MakeRadarFault(const std::string& id, std::string label, std::optional<dou
       }};
 }
 
+Fault FromStart(Fault fault) {
+  fault.id += "-start";
+  fault.label += ", from the start";
+  fault.begin_s = 0.0;
+  return fault;
+}
+
 void AddSilence(std::vector<Fault>& faults) {
   const auto silence = [](Stream& stream, const Window& window, const std::string& radar_id) {
     SilenceRadar(stream, window, radar_id);
@@ -91,22 +98,21 @@ void AddRangeRates(std::vector<Fault>& faults) {
         [=](Stream& stream, const Window& window, const std::string& radar_id) {
           ChangeRangeRate(stream, window, radar_id, change.factor, change.offset_mps);
         }));
-    Fault from_start = faults.back();
-    from_start.id += "-start";
-    from_start.label += ", from the start";
-    from_start.begin_s = 0.0;
-    faults.push_back(std::move(from_start));
+    faults.push_back(FromStart(faults.back()));
   }
 }
 
 void AddClockAndSigmas(std::vector<Fault>& faults) {
-  for (const double shift_s : {0.2, -0.2, 5.0, -5.0}) {
+  for (const double shift_s : {0.1, 0.2, -0.2, 5.0, -5.0}) {
     faults.push_back(
         MakeRadarFault(absl::StrCat("clock", shift_s < 0.0 ? "" : "+", shift_s, "s"),
                        absl::StrCat("one radar's stamps off by ", shift_s, " s"), std::nullopt,
                        [=](Stream& stream, const Window& window, const std::string& radar_id) {
                          ShiftStamps(stream, window, Duration(shift_s), radar_id);
                        }));
+    if (std::abs(shift_s) > 1.0) continue;
+    faults.push_back(FromStart(faults.back()));
+    faults.back().min_radars = 2;
   }
   faults.push_back(MakeRadarFault("sigmas", "stated deviations of 1e30 for 10 s", 10.0,
                                   [](Stream& stream, const Window& window, const std::string&) {

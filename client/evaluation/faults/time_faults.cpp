@@ -52,6 +52,14 @@ void AddLateness(std::vector<Fault>& faults) {
         }));
     faults.back().min_radars = 2;
   }
+  faults.push_back(
+      MakeTimeFault("late-others-200ms", "all radars but one arrive 200 ms late", std::nullopt,
+                    [](Stream& stream, const Window& window, std::uint64_t) {
+                      for (std::size_t i = 1; i < stream.rig.radars.size(); ++i) {
+                        DelayArrival(stream, window, stream.rig.radars[i].id, milliseconds(200));
+                      }
+                    }));
+  faults.back().min_radars = 3;
   faults.push_back(MakeTimeFault("jitter-250ms", "every scan arrives up to 250 ms late",
                                  std::nullopt,
                                  [](Stream& stream, const Window& window, std::uint64_t seed) {

@@ -147,7 +147,8 @@ TEST_F(LocalizerTimeTest, AnotherClockOfOneRadarCostsNothing) {
     rig.radars.push_back(rig.radars[0]);
     rig.radars.back().id = id;
   }
-  for (const auto off : {milliseconds(300), milliseconds(5000), milliseconds(-5000)}) {
+  for (const auto off : {milliseconds(200), milliseconds(-200), milliseconds(400),
+                         milliseconds(5000), milliseconds(-5000)}) {
     Localizer localizer = MakeLocalizer(map_, rig, PriorAt(Start(), 0.3, 0.02));
     int wrong = 0;
     int tracking = 0;

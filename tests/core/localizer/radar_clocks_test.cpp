@@ -74,7 +74,7 @@ TEST_F(RadarClocksTest, ScansThatComeLateAreOfTheSameClock) {
 
 TEST_F(RadarClocksTest, AnotherClockIsBroughtToThatOfTheOthers) {
   for (const nanoseconds off :
-       {nanoseconds(milliseconds(200)), nanoseconds(milliseconds(-400)), nanoseconds(seconds(5)),
+       {nanoseconds(milliseconds(400)), nanoseconds(milliseconds(-400)), nanoseconds(seconds(5)),
         nanoseconds(seconds(-5)), nanoseconds(std::chrono::hours(1000))}) {
     for (const std::size_t radar_count : {3U, 5U}) {
       Make(radar_count);
@@ -144,6 +144,57 @@ TEST_F(RadarClocksTest, ASingleRadarHasNoOthers) {
   is_off_[0] = seconds(100);
   EXPECT_EQ(Drive(10), 0);
   EXPECT_FALSE(clocks_->IsOff(0));
+}
+
+TEST_F(RadarClocksTest, AheadOfMostOrBehindThemARadarIsSuspected) {
+  for (const nanoseconds off : {milliseconds(60), milliseconds(150), milliseconds(-150)}) {
+    Make(5);
+    is_off_[1] = off;
+    EXPECT_EQ(Drive(10), 0);
+    EXPECT_FALSE(clocks_->IsOff(1));
+    const std::optional<RadarClocks::Suspect> suspect = clocks_->Suspected();
+    ASSERT_TRUE(suspect) << off.count();
+    EXPECT_EQ(suspect->index, 1U);
+    EXPECT_LE(std::chrono::abs(suspect->ahead - off), milliseconds(25)) << off.count();
+  }
+}
+
+TEST_F(RadarClocksTest, NobodyIsSuspectedInOrder) {
+  Drive(10);
+  EXPECT_FALSE(clocks_->Suspected());
+  Make(2);
+  is_off_[1] = milliseconds(80);
+  Drive(10);
+  EXPECT_FALSE(clocks_->Suspected()) << "of two nobody knows which one it is";
+}
+
+TEST_F(RadarClocksTest, FitsTellWhetherASuspectIsOff) {
+  struct Case {
+    const char* what;
+    double lead_of_suspect, lead_of_others;
+    bool is_off;
+  };
+  for (const Case& told : {Case{"the pose follows the others", 0.1, -0.1, true},
+                           {"the pose follows the suspect", -0.1, 0.1, true},
+                           {"scans come late", -0.1, -0.1, false},
+                           {"the pose is behind", 0.1, 0.1, false},
+                           {"the vehicle stands", 0.0, 0.0, false}}) {
+    Make(4);
+    is_off_[1] = milliseconds(80);
+    Drive(10);
+    const std::optional<RadarClocks::Suspect> suspect = clocks_->Suspected();
+    ASSERT_TRUE(suspect);
+    bool is_off = false;
+    for (int cycle = 0; cycle < 50 && !is_off && clocks_->Suspected(); ++cycle) {
+      for (std::size_t i = 0; i < 4 && !is_off; ++i) {
+        const double lead = i == suspect->index ? told.lead_of_suspect : told.lead_of_others;
+        is_off = clocks_->OnFits(*suspect, i, 0.5, 0.5 + lead);
+      }
+    }
+    EXPECT_EQ(is_off, told.is_off) << told.what;
+    const bool is_right = told.lead_of_suspect < 0.0 && !told.is_off;
+    EXPECT_EQ(clocks_->Suspected().has_value(), !is_right) << told.what;
+  }
 }
 
 }  // namespace
